@@ -55,8 +55,8 @@ class Design:
         return 1.0 if self.pendulum is None else self.pendulum.lever
 
 
-def design_of(run: Run) -> Design:
-    """Return the numbers of a run's scene."""
-    numbers = _iva.design(run._spec)
+def design_of(run: Run, absorber: int = 0) -> Design:
+    """Return the numbers of a run's scene, of several absorbers with those of one."""
+    numbers = _iva.design(run._spec, absorber)
     pendulum = numbers.pop("pendulum")
     return Design(**numbers, pendulum=None if pendulum is None else Pendulum(**pendulum))

@@ -20,6 +20,7 @@ from iva.design import design_of
 from iva.faults import fault
 from iva.forces import file_name, listed, written
 from iva.parameters import number, shown
+from iva.scenes import absorbers
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -316,12 +317,17 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
     import polars as pl
 
     states = run.at(times).filter(pl.col("displacement").is_finite())
-    x, v = states["displacement"].to_numpy(), states["velocity"].to_numpy()
+    every = absorbers(run.absorber)
+    first = states[:: len(every)]
+    x, v = first["displacement"].to_numpy(), first["velocity"].to_numpy()
     motions = [(1, "structure", DISPLACEMENT, x), (1, "structure", VELOCITY, v)]
-    if run.absorber is not None:
-        reach = design_of(run).lever
-        y, w = (reach * states[key].to_numpy() for key in ("gap_displacement", "gap_velocity"))
-        motions += [(2, "absorber", DISPLACEMENT, x + y), (2, "absorber", VELOCITY, v + w)]
+    for place, absorber in enumerate(every):
+        if absorber is None:
+            continue
+        reach, own = design_of(run, place).lever, states[place :: len(every)]
+        y, w = (reach * own[key].to_numpy() for key in ("gap_displacement", "gap_velocity"))
+        node, body = place + 2, "absorber" if len(every) == 1 else f"absorber {place}"
+        motions += [(node, body, DISPLACEMENT, x + y), (node, body, VELOCITY, v + w)]
     system = run.units.system
     si = system == "si"
     made: list[dict[str, Any]] = [dict(SI)] if si else []
@@ -332,7 +338,7 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
                 "type": 58,
                 "binary": int(binary),
                 "id1": line(f"{measure.name} of {body}, iva-dynamics {_iva.VERSION}"),
-                "id2": line(written(run.absorber)),
+                "id2": line("; ".join(written(absorber) for absorber in every)),
                 "id3": "NONE",  # where others look for a date
                 "id4": line(written(run.primary)),
                 "id5": line(f"{written(run.start)}; {driven}"),

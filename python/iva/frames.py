@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from iva._iva import ArrowTable
 
-NAMES = ("summary", "impacts", "episodes", "envelope", "stroboscope", "trajectory")
+NAMES = ("summary", "impacts", "episodes", "envelope", "stroboscope", "absorbers", "trajectory")
 
 
 def to_polars(table: ArrowTable) -> pl.DataFrame:

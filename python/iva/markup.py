@@ -7,6 +7,7 @@ from html import escape
 
 from iva.forces import Force, listed, written
 from iva.parameters import Part
+from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.tables import Table
 
@@ -16,7 +17,7 @@ def of_run(run: Run) -> str:
     row = run.summary.row(0, named=True)
     units = run.units["summary"]
     named: tuple[tuple[str, Part | Force | None], ...] = (
-        ("absorber", run.absorber),
+        *(("absorber", absorber) for absorber in absorbers(run.absorber)),
         ("primary", run.primary),
         *(("force", force) for force in listed(run.force)),
         ("start", run.start),

@@ -7,7 +7,7 @@ the values. Every value is a float after construction, ``None`` where nothing wa
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, fields
 from numbers import Real
 
@@ -129,6 +129,8 @@ class Part:
     # Of the study file; without annotations, so that they are no fields.
     _part = ""
     _words: tuple[str, ...] = ()
+    # Fields that may be lists, with a number for each of several absorbers.
+    _of_each: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
@@ -136,17 +138,47 @@ class Part:
             if not isinstance(value := getattr(self, name), str):
                 raise TypeError(f"{self._part}.{name} = {shown(value)}: give a word")
         for name, path in numeric(type(self)):
-            if (value := getattr(self, name)) is not None:
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if name in self._of_each and is_list(value):
+                object.__setattr__(self, name, tuple(numbers(path, value)))
+            else:
                 object.__setattr__(self, name, number(path, value))
-        _iva.check(self._part, list(given(self).items()))
+        checked(self)
 
     def __repr__(self) -> str:
         """Show what was given, as an expression that gives it again."""
         return constructor(self)
 
 
-def given(part: Part) -> dict[str, float]:
-    """Return the fields of a part that were given, by name."""
+def is_list(value: object) -> bool:
+    """Return whether a value is given as several numbers."""
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, Real))
+
+
+def checked(part: Part) -> None:
+    """Check the ranges of a part's fields, and that no two set the same quantity.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range, a list is empty, or two fields set the same quantity.
+    """
+    fields_given = given(part)
+    for name, values in fields_given.items():
+        if isinstance(values, tuple):
+            if not values:
+                rule = "give a number, or a list with one for each absorber"
+                raise ValueError(f"{part._part}.{name} = []: {rule}")
+            for value in values:
+                _iva.check(part._part, [(name, value)])
+    first = (value[0] if isinstance(value, tuple) else value for value in fields_given.values())
+    _iva.check(part._part, list(zip(fields_given, first, strict=True)))
+
+
+def given(part: Part) -> dict[str, Any]:
+    """Return the fields of a part that were given, by name: numbers, or tuples of them."""
     values = ((name, getattr(part, name)) for name, _ in numeric(type(part)))
     return {name: value for name, value in values if value is not None}
 
@@ -414,6 +446,8 @@ class Piva(Part):
 
 #: An absorber of any kind.
 Absorber = Siva | Piva
+#: One absorber or several.
+Absorbers = Siva | Piva | Sequence[Siva | Piva]
 
 
 def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
@@ -429,7 +463,8 @@ def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
 class Start(Part):
     """The state at the begin of a run; what is not given is 0.
 
-    :meth:`Run.state_at` gives that of another run, to go on from.
+    :meth:`Run.state_at` gives that of another run, to go on from. Of several absorbers each has its
+    own gap displacement and gap velocity: a number is that of all, a list has one for each.
 
     Parameters
     ----------
@@ -439,10 +474,10 @@ class Start(Part):
         The same in mm; SI units only.
     velocity : float, optional
         Velocity of the primary system.
-    gap_displacement : float, optional
+    gap_displacement : float or sequence of float, optional
         Absorber displacement minus primary displacement, at most the clearance in size. By default
         0, and where the line of motion rises the lower stop.
-    gap_velocity : float, optional
+    gap_velocity : float or sequence of float, optional
         Absorber velocity minus primary velocity.
     angle : float, optional
         Angle of a pendulum from hanging in rad, −π to π, instead of `gap_displacement`.
@@ -470,33 +505,50 @@ class Start(Part):
     """
 
     _part = "start"
+    _of_each = ("gap_displacement", "gap_velocity")
 
     displacement: float | None = None
     displacement_mm: float | None = None
     velocity: float | None = None
-    gap_displacement: float | None = None
-    gap_velocity: float | None = None
+    gap_displacement: float | Sequence[float] | None = None
+    gap_velocity: float | Sequence[float] | None = None
     angle: float | None = None
     angular_velocity: float | None = None
     time: float | None = None
     reference: float | None = None
 
 
-def spec(*parts: Part | None, run: Mapping[str, float | None] | None = None) -> Spec:
+def spec(
+    *parts: Part | Sequence[Absorber] | None, run: Mapping[str, float | None] | None = None
+) -> Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``.
 
-    A part that is ``None`` stands for no absorber.
+    A part that is ``None`` stands for no absorber. Fields of several absorbers have the number of
+    theirs, as in ``"absorber.1.mass"`` and ``"start.1.gap_velocity"``.
     """
     fields_given: Spec = {}
     for part in parts:
-        if part is None or isinstance(part, Absorber):
-            fields_given |= {f"absorber.{name}": word for name, word in choices(part)}
-        if part is None:
-            continue
-        for name, path in numeric(type(part)):
-            if (value := getattr(part, name)) is not None:
-                fields_given[path] = value
+        if part is None or isinstance(part, Part):
+            add(fields_given, part, "")
+        elif len(part) == 1:
+            add(fields_given, part[0], "")
+        else:
+            for place, absorber in enumerate(part):
+                add(fields_given, absorber, f"{place}.")
     for name, value in (run or {}).items():
         if value is not None:
             fields_given[f"run.{name}"] = number(f"run.{name}", value)
     return fields_given
+
+
+def add(fields_given: Spec, part: Part | None, place: str) -> None:
+    """Add the fields of a part to a spec, those of an absorber in a list with its place there."""
+    if part is None or isinstance(part, Absorber):
+        fields_given |= {f"absorber.{place}{name}": word for name, word in choices(part)}
+    for name, value in ({} if part is None else given(part)).items():
+        assert part is not None
+        if isinstance(value, tuple):
+            for number_, one in enumerate(value):
+                fields_given[f"{part._part}.{number_}.{name}"] = one
+        else:
+            fields_given[f"{part._part}.{place}{name}"] = value

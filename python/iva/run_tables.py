@@ -55,6 +55,11 @@ class RunTables:
         """
         return self._frame("stroboscope")
 
+    @property
+    def absorbers(self) -> pl.DataFrame:
+        """Impacts, energy loss, time stuck and largest impulse, a row an absorber."""
+        return self._frame("absorbers")
+
     def _frame(self, name: str) -> pl.DataFrame:
         if name not in self._frames.names:
             raise AttributeError(f"no table {name!r}: ask for it with tables=({name!r},)")

@@ -58,6 +58,11 @@ class Scan:
         """One row a cycle of the harmonic force (of several, the first), after `discard`."""
         return self._lazy("stroboscope")
 
+    @property
+    def absorbers(self) -> pl.LazyFrame:
+        """Impacts, energy loss, time stuck and largest impulse, a row an absorber and point."""
+        return self._lazy("absorbers")
+
     def _lazy(self, name: str) -> pl.LazyFrame:
         if name not in self.tables:
             raise AttributeError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from iva.forces import Force, Harmonic, Impulse, Recorded, fields_of, listed
 from iva.parameters import Absorber, Piva, Primary, Siva, Start, shown, spec
@@ -23,47 +23,126 @@ def scene(
     start: object,
     force: object,
     run: Mapping[str, float | None],
+    *,
+    several: bool = False,
 ) -> Spec:
     """Return the spec of a whole scene, after a look at the types of its parts.
+
+    Parameters
+    ----------
+    absorber, primary, start, force
+        Its parts.
+    run : mapping
+        Settings of the run, by name.
+    several : bool, default False
+        Whether `absorber` may be a list.
 
     Raises
     ------
     TypeError
         If a part is of the wrong class, or a setting of the run is not a number.
+    ValueError
+        If a list of the start does not have a number for each absorber.
     """
-    if absorber is not None and not isinstance(absorber, Absorber):
-        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva, an iva.Piva or None")
+    if not several or not isinstance(absorber, (list, tuple)):
+        if absorber is not None and not isinstance(absorber, Absorber):
+            raise TypeError(f"absorber = {shown(absorber)}: give {wanted(several)}")
+    else:
+        fits(absorber)
     if not isinstance(primary, Primary):
         raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
     if not isinstance(start, Start):
         raise TypeError(f"start = {shown(start)}: give an iva.Start")
+    checked_lists(absorber, start)
     made = spec(absorber, primary, start, run=run)
     if forces := [fields_of(force) for force in listed(force)]:
         made["forces"] = forces
     return made
 
 
+def absorbers(given: Absorber | Sequence[Absorber] | None) -> tuple[Absorber | None, ...]:
+    """Return one absorber, none or several as a tuple; where there is none it has one ``None``."""
+    return tuple(given) if isinstance(given, Sequence) else (given,)
+
+
+def wanted(several: bool) -> str:
+    """Return what a scene takes as its absorber."""
+    one = "an iva.Siva, an iva.Piva"
+    return f"{one}, a list of them or None" if several else f"{one} or None"
+
+
+def fits(absorbers: Sequence[object]) -> None:
+    """Look at the absorbers of a list.
+
+    Raises
+    ------
+    TypeError
+        If something is no absorber.
+    ValueError
+        If the list is empty.
+    """
+    if not absorbers:
+        raise ValueError(f"absorber = {shown(absorbers)}: give {wanted(several=True)}")
+    for place, one in enumerate(absorbers):
+        if not isinstance(one, Absorber):
+            raise TypeError(f"absorber[{place}] = {shown(one)}: give an iva.Siva or an iva.Piva")
+
+
+def checked_lists(absorber: object, start: Start) -> None:
+    """Look at the lists of a start, which have a number for each of several absorbers.
+
+    Raises
+    ------
+    ValueError
+        If one has more or fewer.
+    """
+    count = len(absorber) if isinstance(absorber, (list, tuple)) else 1
+    for name in start._of_each:
+        values = getattr(start, name)
+        if not isinstance(values, tuple) or (len(values) == count and count > 1):
+            continue
+        if count > 1:
+            rule = f"give a number, or a list of {count}, one for each absorber"
+        else:
+            rule = "there is one absorber, so give one number"
+        raise ValueError(f"start.{name} = {shown(list(values))}: {rule}")
+
+
 def parts(made: Spec) -> dict[str, Any]:
     """Return a spec as the arguments of :func:`iva.simulate` that make it."""
     given: dict[str, dict[str, Any]] = {"absorber": {}, "primary": {}, "start": {}, "run": {}}
+    several: dict[int, dict[str, Any]] = {}
+    starts: dict[str, dict[int, float]] = {}
     for path, value in made.items():
         part, dot, name = path.partition(".")
-        if dot:
+        place, numbered, field = name.partition(".")
+        if numbered and part == "absorber":
+            several.setdefault(int(place), {})[field] = value
+        elif numbered:
+            starts.setdefault(field, {})[int(place)] = value
+        elif dot:
             given[part][name] = value
-    words = given["absorber"]
-    kind = words.pop("kind", Siva._kind)
-    if kind != Piva._kind:
-        words = {name: value for name, value in words.items() if not isinstance(value, str)}
-    absorber = {Siva._kind: Siva, Piva._kind: Piva}.get(kind)
+    for field, values in starts.items():
+        given["start"][field] = [values.get(place, 0.0) for place in range(len(several))]
+    listed_absorbers = [absorber_of(several[place]) for place in sorted(several)]
     forces = [force_of(fields) for fields in made.get("forces", ())]
     drives = {"force": forces[0] if len(forces) == 1 else forces} if forces else {}
     return {
-        "absorber": absorber(**words) if absorber else None,
+        "absorber": listed_absorbers or absorber_of(given["absorber"]),
         "primary": Primary(**given["primary"]),
         "start": Start(**given["start"]),
         **drives,
         **given["run"],
     }
+
+
+def absorber_of(words: Mapping[str, Any]) -> Absorber | None:
+    """Return the absorber of its fields."""
+    kind = words.get("kind", Siva._kind)
+    if kind == Piva._kind:
+        return Piva(**{name: value for name, value in words.items() if name != "kind"})
+    numbers = {name: value for name, value in words.items() if not isinstance(value, str)}
+    return Siva(**numbers) if kind == Siva._kind else None
 
 
 def force_of(fields: Mapping[str, Any]) -> Force:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from iva import _iva
 from iva.forces import Force, Impulse, listed, written
@@ -11,17 +11,18 @@ from iva.frames import Frames, from_arrow, to_polars
 from iva.millimetres import warn_of_metres
 from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
-from iva.scenes import scene
+from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from os import PathLike
+    from typing import Any
 
     import polars as pl
 
-    from iva.parameters import Spec
+    from iva.parameters import Absorbers, Spec
 
 
 class Run(RunTables):
@@ -38,7 +39,7 @@ class Run(RunTables):
 
     def __init__(
         self,
-        absorber: Absorber | None,
+        absorber: Absorber | tuple[Absorber, ...] | None,
         primary: Primary,
         start: Start,
         spec: Spec,
@@ -79,8 +80,9 @@ class Run(RunTables):
         polars.DataFrame
             ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
             ``wall`` (0 in flight, ±1 stuck), ``angle`` and ``angular_velocity`` (null for a free
-            mass), and the absolute ``acceleration`` and ``absorber_acceleration``, impacts apart.
-            Besides the samples, an impact appears twice: just before and just after. Without
+            mass), and the absolute ``acceleration`` and ``absorber_acceleration``, impacts apart,
+            and ``absorber``: of several each has a row at every instant. Besides the samples, an
+            impact appears twice: just before and just after, in rows of its absorber. Without
             absorber all columns of gap, angle and absorber are null, and ``wall`` is 0.
 
         Raises
@@ -105,7 +107,8 @@ class Run(RunTables):
         Returns
         -------
         polars.DataFrame
-            n rows in the order of `times`, columns as in :meth:`trajectory`. At an impact, to four
+            n rows in the order of `times`, of several absorbers n for each, columns as in
+            :meth:`trajectory`. At an impact, to four
             rounding units of the time, it is the state just after it. After an early end of the run
             (an outcome other than ``finished``) all columns but ``point`` and ``time`` are null.
 
@@ -168,11 +171,11 @@ class Run(RunTables):
         blows = (force for force in listed(self.force) if isinstance(force, Impulse))
         if at == begin == 0.0 and any((blow.time or 0.0) == 0.0 for blow in blows):
             return self.start  # before the impulses of time zero, which act in a run from it
-        row = to_polars(_iva.state(self._spec, at)).row(0, named=True)
-        if row["displacement"] is None:
+        rows = to_polars(_iva.state(self._spec, at)).rows(named=True)
+        if rows[0]["displacement"] is None:
             end = self.summary["outcome"].item()
             raise ValueError(f"time = {at!r}: the run ended before ({end}); give an earlier one")
-        return state_of(row, self.start)
+        return state_of(rows, self.start)
 
     @spell_checked
     def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
@@ -209,9 +212,9 @@ class Run(RunTables):
         """Write the motion into a universal file, which software of test rigs reads; needs pyuff.
 
         Time responses (dataset 58, +X): displacement and velocity of the structure (node 1) and of
-        the absorber, if there is one (node 2; of a pendulum its centre of mass), relative to the
-        base if that moves. Dataset 164 says SI units, axes say others. No acceleration: no sample
-        shows its impulses.
+        the absorber, if there is one (node 2, of several 2 and on; of a pendulum its centre of
+        mass), relative to the base if that moves. Dataset 164 says SI units, axes say others. No
+        acceleration: no sample shows its impulses.
 
         Parameters
         ----------
@@ -264,7 +267,7 @@ class Run(RunTables):
             names = tuple(name for name in names if name not in ("reduction", "impacts_per_cycle"))
         if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
-        parts = (self.absorber, self.primary, *listed(self.force), self.start)
+        parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
         lines += [f"  {written(part)}" for part in parts]
         lines.append(f"  {self.units}")
         return "\n".join(lines)
@@ -278,7 +281,7 @@ class Run(RunTables):
 
 @spell_checked
 def simulate(
-    absorber: Absorber | None,
+    absorber: Absorbers | None,
     primary: Primary,
     *,
     start: Start,
@@ -297,13 +300,15 @@ def simulate(
     verify: bool = False,
     gradients: Iterable[str] = (),
 ) -> Run:
-    """Simulate a primary system with an impact absorber, or alone, in free decay or under a force.
+    """Simulate a primary system with impact absorbers, or alone, in free decay or under a force.
 
     Parameters
     ----------
-    absorber : Siva, Piva or None
-        The absorber: a free mass, or a pendulum. Or ``None``: the structure alone. Then the start
-        has no gap and no angle, and there is neither `chatter_floor` nor `tolerance`.
+    absorber : Siva, Piva, a list of them, or None
+        The absorber: a free mass, or a pendulum. Of a list, up to eight free masses, all are on the
+        structure; tables number them from 0 in their column ``absorber``. Or ``None``: the
+        structure alone. Then the start has no gap and no angle, and there is neither
+        `chatter_floor` nor `tolerance`.
     primary : Primary
         The primary system; what it is given decides the units.
     start : Start
@@ -328,7 +333,7 @@ def simulate(
         ``stroke``, ``absorber_displacement_max`` and ``time_near_wall``.
     tables : iterable of str, optional
         Tables to make beside the summary: ``impacts``, ``episodes``, ``envelope``,
-        ``stroboscope``; all by default. A long run without tables takes no memory.
+        ``stroboscope``, ``absorbers``; all by default. A long run without tables takes no memory.
     errors : bool, default False
         Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
         the impacts, ``condition`` and ``digits`` of the summary. A pendulum takes ten times as
@@ -428,6 +433,7 @@ def simulate(
             "chatter_floor": chatter_floor,
             "tolerance": tolerance,
         },
+        several=True,
     )
     warn_of_metres(spec)
     asked = (names("measures", measures), names("tables", tables))
@@ -443,7 +449,7 @@ def simulate(
     units = from_metadata(made["summary"].metadata)
     kept = tuple(force) if isinstance(force, Sequence) else force
     return Run(
-        absorber,
+        tuple(absorber) if isinstance(absorber, Sequence) else absorber,
         primary,
         start,
         spec,
@@ -459,8 +465,9 @@ def simulate(
 STEEP = 0.5
 
 
-def state_of(row: dict[str, float | None], start: Start) -> Start:
-    """Return the state of a row of a trajectory, in a run from a start."""
+def state_of(rows: Sequence[Mapping[str, Any]], start: Start) -> Start:
+    """Return the state of some rows of a trajectory, one an absorber, in a run from a start."""
+    row = rows[0]
     reference = start.reference
     if reference is None and start.displacement_mm is not None:
         reference = start.displacement_mm / 1000
@@ -472,7 +479,10 @@ def state_of(row: dict[str, float | None], start: Start) -> Start:
         place = ("angle", "angular_velocity")
     else:
         place = ("gap_displacement", "gap_velocity")
-    kept |= {name: row[name] for name in place}
+    if len(rows) == 1:
+        kept |= {name: row[name] for name in place}
+    else:
+        kept |= {name: [one[name] for one in rows] for name in place}
     return Start(reference=None if row["gap_displacement"] is None else reference, **kept)
 
 

@@ -13,7 +13,7 @@ from iva.forces import Force
 from iva.frames import from_arrow
 from iva.manifests import FILE, manifest_of
 from iva.millimetres import warn_of_metres
-from iva.parameters import Absorber, Primary, Start, number, shown
+from iva.parameters import Absorbers, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read
 from iva.sampling import Sampling, points_of
@@ -32,7 +32,7 @@ MEMORY_LIMIT = 4e9
 
 @spell_checked
 def sweep(
-    absorber: Absorber | None,
+    absorber: Absorbers | None,
     primary: Primary,
     *,
     over: Mapping[str, Any] | pl.DataFrame,
@@ -65,11 +65,12 @@ def sweep(
     Parameters
     ----------
     absorber, primary, start, force
-        As in :func:`iva.simulate`, `absorber` also ``None``: the structure alone. What is swept may
-        be left out.
+        As in :func:`iva.simulate`, `absorber` also a list of several, or ``None``: the structure
+        alone. What is swept may be left out.
     over : mapping of str to sequence of float, or polars.DataFrame
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
-        unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several) → values,
+        unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several;
+        ``"absorber.1.clearance"`` of one of several absorbers, ``"clearance"`` of all) → values,
         shape (n,). The product of all axes is run, in the order of the mapping, the last axis
         fastest. A swept field replaces its alternatives, so that an axis over ``gap`` replaces a
         given ``clearance``. With `sampling` field name → distribution. Of a frame each row is a
@@ -88,7 +89,8 @@ def sweep(
         the impacts, ``condition`` and ``digits`` of the summary. Sweeps of free masses take twice
         as long, those of pendulums ten times.
     tables : iterable of str, default ("summary",)
-        Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``.
+        Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``,
+        ``absorbers``.
     out : str or path, optional
         Folder to write the tables into, part by part as they are done; memory stays small whatever
         the number of points. Without it tables are gathered in memory. With `executor` or `client`
@@ -169,6 +171,7 @@ def sweep(
             "chatter_floor": chatter_floor,
             "tolerance": tolerance,
         },
+        several=True,
     )
     points = points_of(over, sampling)
     study = _iva.Study(

@@ -58,6 +58,11 @@ class Table:
         return self._frame("stroboscope")
 
     @property
+    def absorbers(self) -> pl.DataFrame:
+        """Impacts, energy loss, time stuck and largest impulse, a row an absorber and point."""
+        return self._frame("absorbers")
+
+    @property
     def trajectory(self) -> pl.DataFrame:
         """The motion in time, only in a folder that ``iva run`` wrote."""
         return self._frame("trajectory")

@@ -152,7 +152,7 @@ def test_at_an_impact_it_is_the_state_after_it(name: str, index: int) -> None:
     absorber, force = SCENES[name]
     run = simulate(absorber, force)
     hit = run.impacts.row(index, named=True)
-    state = run.state_at(hit["time"])
+    state: Any = run.state_at(hit["time"])
     assert (state.velocity, abs(state.gap_displacement or 0.0)) == (hit["velocity_after"], 0.6)
     found = simulate(absorber, force, state)
     assert found.impacts.height == run.impacts.height - index - 1 > 0

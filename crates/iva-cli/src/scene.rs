@@ -35,8 +35,11 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     };
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}", wrap(&structure));
-    let kind = study.spec.choices().kind;
-    let _ = writeln!(out, "{}", wrap(&absorber(&designs, kind)));
+    let (kind, count) = (study.spec.choices().kind, study.spec.count());
+    for number in 0..count {
+        let kind = study.spec.choices_of(number).kind;
+        let _ = writeln!(out, "{}", wrap(&absorber(&designs, (number, count), kind)));
+    }
     if kind == Kind::Piva {
         let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
     }
@@ -53,27 +56,38 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     out
 }
 
-/// The line on the absorber: kind, mass ratio and restitution.
-fn absorber(designs: &[Design], kind: Kind) -> String {
+/// The line on an absorber, which has this number of so many: kind, mass ratio and restitution, of one of several the
+/// clearance too.
+fn absorber(designs: &[Design], (number, count): (usize, usize), kind: Kind) -> String {
     let name = match kind {
         Kind::Siva => "free mass",
         Kind::Piva => "pendulum",
         Kind::None => return "Absorber: none".to_owned(),
     };
-    let mass = range_of(designs, |absorber| absorber.mass_ratio);
-    let restitution = range_of(designs, |absorber| absorber.restitution);
-    let minus = match range_of(designs, |absorber| absorber.restitution_minus) {
+    let of = |value: fn(Absorber) -> f64| {
+        let absorber = |design: &Design| design.scene.absorber_of(number);
+        range(designs, |design| absorber(design).map_or(f64::NAN, value))
+    };
+    let mass = of(|absorber| absorber.mass_ratio);
+    let restitution = of(|absorber| absorber.restitution);
+    let minus = match of(|absorber| absorber.restitution_minus) {
         minus if minus == restitution => String::new(),
         minus => format!(", at the wall - {minus}"),
     };
-    format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}{minus}")
+    let [which, clearance] = match count {
+        1 => [String::new(), String::new()],
+        _ => [format!(" {number}"), format!(", clearance {}", of(|it| it.clearance))],
+    };
+    format!(
+        "Absorber{which}: {name}, mass ratio {mass}, restitution {restitution}{minus}{clearance}"
+    )
 }
 
 /// The line on the start: initial displacement of the structure, and the clearance.
 fn start(designs: &[Design], units: UnitSystem) -> String {
     let unit = if units == UnitSystem::Si { " m" } else { "" };
     let from = range(designs, |design| design.scene.primary().x);
-    if designs.iter().all(|design| design.scene.absorber().is_none()) {
+    if designs.iter().all(|design| design.scene.count() != 1) {
         return format!("Start: displacement {from}{unit}");
     }
     let clearance = range_of(designs, |absorber| absorber.clearance);

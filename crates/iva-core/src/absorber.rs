@@ -110,14 +110,24 @@ pub trait Absorber: ImpactLaw {
 
     /// One-sided clearance d, half of the total play; of several absorbers the smallest.
     fn clearance(&self) -> Self::Real;
+    /// The clearance of the absorber of this index.
+    #[inline(always)]
+    fn clearance_of(&self, _absorber: usize) -> Self::Real {
+        self.clearance()
+    }
     /// The clearance of the absorber at hand.
     #[inline(always)]
-    fn clearance_at_hand(&self, _state: &Self::State) -> Self::Real {
-        self.clearance()
+    fn clearance_at_hand(&self, state: &Self::State) -> Self::Real {
+        self.clearance_of(self.at_hand(state))
     }
     /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO
+    }
+    /// The middle of the gap of the absorber of this index.
+    #[inline(always)]
+    fn offset_of(&self, _absorber: usize) -> Self::Real {
+        self.offset()
     }
     /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
     /// free mass, L/b for a pendulum.

@@ -22,34 +22,47 @@ use crate::errors::invalid;
 use crate::record::PyRecord;
 
 /// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
-/// absorber comes before the other choices); under `"forces"` it has the list of forces.
+/// absorber comes before the other choices); under `"forces"` it has the list of forces. The fields of several absorbers are
+/// `"part.number.field"`.
 ///
 /// # Errors
 /// `ValueError` for an unknown field or a value out of range.
 pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
-    let mut choices = Choices::default();
+    let mut absorbers = vec![Choices::default()];
     for (path, word) in fields {
         if let Ok(word) = word.extract::<String>() {
             let path: String = path.extract()?;
-            let name = path.rsplit('.').next().unwrap_or_default();
-            choices.choose(name, &word).map_err(invalid)?;
+            let (before, name) = path.rsplit_once('.').unwrap_or_default();
+            let number = before.rsplit_once('.').and_then(|(_, number)| number.parse().ok());
+            let number = number.unwrap_or(0).min(absorbers.len());
+            if number == absorbers.len() {
+                absorbers.push(Choices::default());
+            }
+            absorbers[number].choose(name, &word).map_err(invalid)?;
         }
     }
-    let mut spec = Spec::new(choices);
+    let mut spec = Spec::several(&absorbers).map_err(invalid)?;
     for (path, value) in fields {
         let path: String = path.extract()?;
         if path == FORCES || value.is_instance_of::<PyString>() {
             continue;
         }
-        let field = FieldId::all()
-            .find(|id| id.path() == path)
-            .ok_or_else(|| invalid(Invalid::new("field", format!("`{path}`"), "no such field")))?;
-        spec.set(field, value.extract()?).map_err(invalid)?;
+        spec.set(slot(&path).map_err(invalid)?, value.extract()?).map_err(invalid)?;
     }
     if let Some(list) = fields.get_item(FORCES)? {
         forces(&list.extract::<Vec<Bound<'_, PyDict>>>()?, &mut spec)?;
     }
     Ok(spec)
+}
+
+/// The place of `"part.field"`, or `"part.number.field"` for several absorbers.
+fn slot(path: &str) -> Result<Slot, Invalid> {
+    if path.matches('.').count() == 2 {
+        return Slot::from_key(path);
+    }
+    let field = FieldId::all().find(|id| id.path() == path);
+    let found = field.ok_or_else(|| Invalid::new("field", format!("`{path}`"), "no such field"));
+    found.map(Slot::from)
 }
 
 /// Key of the list of forces in the dict of a spec.

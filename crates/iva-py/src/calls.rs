@@ -80,19 +80,25 @@ pub fn unit_system(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
 }
 
 /// The numbers of a scene in the user's units, whatever alternatives they were given by; of a pendulum its own
-/// besides, without length and contact distance where nothing depends on them.
+/// besides, without length and contact distance where nothing depends on them. Of several absorbers those of one.
 #[pyfunction]
-pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+#[pyo3(signature = (spec, absorber = 0))]
+pub fn design<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, PyDict>,
+    absorber: usize,
+) -> PyResult<Bound<'py, PyDict>> {
     let spec = arguments::spec(spec)?;
     let Design { scene, scale, .. } = spec.design().map_err(invalid)?;
     let numbers = PyDict::new(py);
     numbers.set_item("mass", scale.mass)?;
     numbers.set_item("natural_frequency", scale.natural_frequency)?;
     numbers.set_item("damping_ratio", scene.damping_ratio())?;
-    let absorber = scene.absorber();
+    let number = absorber;
+    let absorber = scene.absorber_of(number);
     numbers.set_item("mass_ratio", absorber.map(|absorber| absorber.mass_ratio))?;
     numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
-    numbers.set_item("gap_offset", scene.gap_offset())?;
+    numbers.set_item("gap_offset", scene.gap_offset(number))?;
     let stiffness = scale.natural_frequency * scale.natural_frequency;
     let along = scene.gravity_along().map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;

@@ -11,8 +11,15 @@ use crate::record::PyRecord;
 /// A dict `"part.field"` → number or word, and under `"forces"` the list of forces.
 pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDict>> {
     let scene = PyDict::new(py);
-    for (name, word) in spec.choices().words() {
-        scene.set_item(format!("{}.{name}", Part::Absorber.name()), word)?;
+    let (part, count) = (Part::Absorber.name(), spec.count());
+    for number in 0..count {
+        for (name, word) in spec.choices_of(number).words() {
+            let path = match count {
+                1 => format!("{part}.{name}"),
+                _ => format!("{part}.{number}.{name}"),
+            };
+            scene.set_item(path, word)?;
+        }
     }
     let forces = PyList::empty(py);
     for force in spec.forces() {
@@ -25,7 +32,7 @@ pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDic
     for (slot, value) in spec.given() {
         match slot.info().part {
             Part::Force => {
-                forces.get_item(slot.force.unwrap_or(0))?.set_item(slot.info().name, value)?;
+                forces.get_item(slot.number.unwrap_or(0))?.set_item(slot.info().name, value)?;
             }
             _ => scene.set_item(slot.path(), value)?,
         }

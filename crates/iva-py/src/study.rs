@@ -73,7 +73,7 @@ impl PyStudy {
         let identity = match whole {
             Some((digest, points)) => Identity { digest, points },
             None => {
-                study.sampling.check(study.spec.choices().kind).map_err(invalid)?;
+                study.sampling.check(&study.spec).map_err(invalid)?;
                 Identity::of(&study).map_err(invalid)?
             }
         };

@@ -9,6 +9,7 @@
 //! Nothing is printed and no signal is handled here: the caller of a sweep passes a [`run_sweep::Watch`], which
 //! receives the progress, and a flag that cancels it.
 
+mod absorbers;
 mod axes;
 mod changes;
 pub mod error;

@@ -28,8 +28,8 @@ pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
 /// Fills in the defaults, but not that of the chatter floor, which depends on the clearance of each point.
 fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
-    let choices = *file.study.spec.choices();
-    let mut spec = Spec::new(choices);
+    let mut spec = file.study.spec.emptied();
+    let absorbers = spec.count();
     let sampling = &file.study.sampling;
     // A force may be given by axes alone.
     let forces = file.study.spec(0)?.forces().to_vec();
@@ -41,16 +41,17 @@ fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
             spec.set(slot, value)?;
         }
     }
-    let fits = |field: &FieldId| field.info().kinds.contains(&choices.kind);
-    for field in FieldId::all().filter(fits) {
+    for field in FieldId::all() {
         let Some(value) = file.study.default(field) else { continue };
         let slots: Vec<Slot> = if field.info().part == Part::Force {
             let own = (0..forces.len()).filter(|number| !forces[*number].is_foreign(field));
             own.map(|number| Slot::of_force(field, number, forces.len())).collect()
+        } else if field.of_absorber() {
+            (0..absorbers).map(|number| spec.slot(field, number)).collect()
         } else {
             vec![field.into()]
         };
-        for slot in slots {
+        for slot in slots.into_iter().filter(|slot| file.study.spec.has(*slot)) {
             let given =
                 spec.given().any(|(other, _)| other.same_quantity(slot)) || sampling.sets(slot);
             if !given {
@@ -98,16 +99,18 @@ fn text_of(file: &StudyFile, units: &str) -> String {
             write_forces(&mut text, &file.study.spec);
             continue;
         }
-        let _ = writeln!(text, "\n[{}]", part.name());
         if part == Part::Absorber {
-            for (name, word) in file.study.spec.choices().words() {
-                let _ = writeln!(text, "{name} = \"{word}\"");
-            }
+            write_absorbers(&mut text, &file.study.spec);
+            continue;
         }
+        let _ = writeln!(text, "\n[{}]", part.name());
         for (slot, value) in file.study.spec.given() {
-            if slot.info().part == part {
+            if slot.info().part == part && slot.number.is_none() {
                 let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
             }
+        }
+        if part == Part::Start {
+            write_starts(&mut text, &file.study.spec);
         }
         if part == Part::Run {
             write_run(&mut text, file);
@@ -122,6 +125,36 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     text
 }
 
+/// Writes the sections of the absorbers.
+fn write_absorbers(text: &mut String, spec: &Spec) {
+    let heading = if spec.count() > 1 { "[[absorber]]" } else { "[absorber]" };
+    for number in 0..spec.count() {
+        let _ = writeln!(text, "\n{heading}");
+        for (name, word) in spec.choices_of(number).words() {
+            let _ = writeln!(text, "{name} = \"{word}\"");
+        }
+        for (slot, value) in spec.given().filter(|(slot, _)| slot.info().part == Part::Absorber) {
+            if slot.number.unwrap_or(0) == number {
+                let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
+            }
+        }
+    }
+}
+
+/// Writes what each of several absorbers has of its own in the start, as lists. What an axis sets for one of them has a 0.
+fn write_starts(text: &mut String, spec: &Spec) {
+    let count = spec.count();
+    let listed = FieldId::all().filter(|field| field.info().part == Part::Start);
+    for field in listed.filter(|field| count > 1 && field.of_absorber()) {
+        let all: Vec<Option<f64>> = (0..count).map(|k| spec.get_of(k, field)).collect();
+        if all.iter().any(Option::is_some) {
+            let all = all.into_iter().map(|value| literal(field, value.unwrap_or(0.0)));
+            let list: Vec<String> = all.collect();
+            let _ = writeln!(text, "{} = [{}]", field.info().name, list.join(", "));
+        }
+    }
+}
+
 /// Writes the sections of the forces.
 fn write_forces(text: &mut String, spec: &Spec) {
     let heading = if spec.forces().len() > 1 { "[[force]]" } else { "[force]" };
@@ -132,7 +165,7 @@ fn write_forces(text: &mut String, spec: &Spec) {
             let _ = writeln!(text, "record = {file}\nkind = \"{}\"", recorded.kind.name());
         }
         for (slot, value) in spec.given().filter(|(slot, _)| slot.info().part == Part::Force) {
-            if slot.force.unwrap_or(0) == number {
+            if slot.number.unwrap_or(0) == number {
                 let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
             }
         }
@@ -143,7 +176,7 @@ fn write_forces(text: &mut String, spec: &Spec) {
 fn write_run(text: &mut String, file: &StudyFile) {
     let study = &file.study;
     let floor = FieldId::ChatterFloor;
-    let listed = floor.info().kinds.contains(&study.spec.choices().kind);
+    let listed = study.spec.has(floor.into());
     if listed && study.spec.get(floor).is_none() && !study.sampling.sets(floor.into()) {
         let _ = writeln!(text, "# chatter_floor: {}", floor.info().help);
     }

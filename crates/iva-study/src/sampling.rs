@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use iva_store::points_file::read_points;
 use iva_sweep::axis::Axis;
-use iva_sweep::choices::Kind;
 use iva_sweep::cube::{MOST_POINTS, Method};
+use iva_sweep::design::Spec;
 use iva_sweep::fields::Allowed;
 use iva_sweep::sampling::{Rows, Sample, Sampling};
 use iva_sweep::variable::{DISTRIBUTIONS, Variable};
@@ -51,7 +51,11 @@ enum Way {
 ///
 /// # Errors
 /// At the place of the first unknown key or invalid value.
-pub(crate) fn read(source: &mut Source, root: &DeTable<'_>, kind: Kind) -> Result<Sampling, Error> {
+pub(crate) fn read(
+    source: &mut Source,
+    root: &DeTable<'_>,
+    spec: &Spec,
+) -> Result<Sampling, Error> {
     let asked = match root.get_key_value("sampling") {
         Some((key, value)) => {
             source.note("sampling".to_owned(), key.span());
@@ -65,7 +69,7 @@ pub(crate) fn read(source: &mut Source, root: &DeTable<'_>, kind: Kind) -> Resul
             let rule = "the points are those of sampling.points; remove this section, or that key";
             return Err(source.error(key.span(), rule));
         }
-        return from_file(source, file, span.clone(), kind);
+        return from_file(source, file, span.clone(), spec);
     }
     let Some((key, value)) = sweep else {
         return match root.get_key_value("sampling") {
@@ -89,7 +93,7 @@ pub(crate) fn read(source: &mut Source, root: &DeTable<'_>, kind: Kind) -> Resul
         }
         Way::Sample(method) => Sampling::Sample(sample(source, method, &asked, &entries)?),
     };
-    sampling.check(kind).map_err(|invalid| source.locate(&invalid))?;
+    sampling.check(spec).map_err(|invalid| source.locate(&invalid))?;
     Ok(sampling)
 }
 
@@ -164,7 +168,7 @@ fn from_file(
     source: &Source,
     file: &str,
     span: Range<usize>,
-    kind: Kind,
+    spec: &Spec,
 ) -> Result<Sampling, Error> {
     let path = beside(source.path(), file);
     let refused = |reason: String| {
@@ -176,7 +180,7 @@ fn from_file(
     let mut rows = rows.map_err(|invalid| refused(invalid.to_string()))?;
     rows.file = Some(path.display().to_string());
     let sampling = Sampling::Rows(rows);
-    sampling.check(kind).map_err(|invalid| refused(invalid.to_string()))?;
+    sampling.check(spec).map_err(|invalid| refused(invalid.to_string()))?;
     Ok(sampling)
 }
 

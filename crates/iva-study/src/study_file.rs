@@ -26,15 +26,15 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use iva_store::regular_file;
-use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection, ranked};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::motion::samples;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Workers, validate};
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
+use crate::absorbers;
 use crate::error::Error;
 use crate::forces;
 use crate::report::Report;
@@ -159,26 +159,32 @@ fn parse(path: &Path, text: &str, aside: Option<&str>) -> Result<StudyFile, Erro
             return Err(unknown_key(&source, "", key, &SECTIONS));
         }
     }
-    let mut spec = Spec::new(read_choices(&mut source, root)?);
+    let absorbers = match root.get_key_value(Part::Absorber.name()) {
+        Some((key, value)) => absorbers::sections(&source, key, value)?,
+        None => {
+            return Err(source.missing(
+                "the section [absorber] is missing: give kind = \"siva\", mass_ratio, \
+                 restitution and relative_clearance, or kind = \"none\"",
+            ));
+        }
+    };
+    let mut spec = absorbers::spec(&mut source, &absorbers)?;
     let mut settings = Settings::default();
     for part in Part::ALL {
         match root.get_key_value(part.name()) {
             Some((key, value)) if part == Part::Force => {
                 forces::read(&mut source, key, value, &mut spec)?;
             }
+            Some(_) if part == Part::Absorber => {
+                absorbers::read(&mut source, &absorbers, &mut spec)?;
+            }
             Some((key, value)) => {
                 read_part(&mut source, part, key, value, &mut spec, &mut settings)?;
-            }
-            None if part == Part::Absorber => {
-                return Err(source.missing(
-                    "the section [absorber] is missing: give kind = \"siva\", mass_ratio, \
-                     restitution and relative_clearance, or kind = \"none\"",
-                ));
             }
             None => {}
         }
     }
-    let sampling = sampling::read(&mut source, root, spec.choices().kind)?;
+    let sampling = sampling::read(&mut source, root, &spec)?;
     let tables = tables_or_default(&source, &settings, !sampling.is_empty())?;
     let measures = settings.measures.unwrap_or_default();
     let study = Study { spec, sampling, tables, measures, errors: settings.errors };
@@ -273,7 +279,6 @@ fn read_part(
         let bare = key.get_ref().as_ref();
         let path = format!("{}.{bare}", part.name());
         match (part, bare) {
-            (Part::Absorber, name) if CHOICES.iter().any(|choice| choice.name == name) => {}
             (Part::Run, "tables") => {
                 settings.tables = Some((read_tables(source, &path, value)?, value.span()));
             }
@@ -287,9 +292,13 @@ fn read_part(
             }
             _ => {
                 let Some(field) = FieldId::find(part, bare) else {
-                    let known = known_keys(part, spec.choices().kind);
+                    let known = absorbers::known_keys(part, spec.choices().kind);
                     return Err(unknown_key(source, part.name(), key, &known));
                 };
+                if let (true, DeValue::Array(items)) = (field.of_absorber(), value.get_ref()) {
+                    absorbers::read_starts(source, field, key, (value, items), spec)?;
+                    continue;
+                }
                 let number = number(source, &path, value, field.info().allowed)?;
                 spec.set(field, number)
                     .map_err(|invalid| crate::value::at(source, value.span(), &invalid))?;
@@ -298,50 +307,6 @@ fn read_part(
         }
     }
     Ok(())
-}
-
-/// Reads the choices given by words, which are all in `[absorber]`. The kind of absorber comes first, since
-/// the other choices and the numbers depend on it.
-fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Error> {
-    let mut choices = Choices::default();
-    let Some((section_key, section)) = root.get_key_value(Part::Absorber.name()) else {
-        return Ok(choices);
-    };
-    let section = table(source, Part::Absorber.name(), section_key, section)?;
-    for choice in &CHOICES {
-        let path = format!("{}.{}", Part::Absorber.name(), choice.name);
-        let Some((key, value)) = section.get_key_value(choice.name) else {
-            if choice.name == "kind" {
-                return Err(source.error(
-                    section_key.span(),
-                    format!("{path} is missing: give {}", one_of(choice.words)),
-                ));
-            }
-            continue;
-        };
-        let find = |word: &str| choice.words.iter().find(|other| **other == word).copied();
-        let word = name(source, &path, value, choice.words, find)?;
-        choices
-            .choose(choice.name, word)
-            .map_err(|invalid| crate::value::at(source, value.span(), &invalid))?;
-        source.note(path, key.span().start..value.span().end);
-    }
-    Ok(choices)
-}
-
-/// The keys that the section of a part may have with a kind of absorber, numeric fields first.
-fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
-    let numbers = FieldId::all()
-        .map(FieldId::info)
-        .filter(|info| info.part == part && info.kinds.contains(&kind))
-        .map(|info| info.name);
-    let words =
-        CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
-    let others: &[&str] = match part {
-        Part::Run => &["tables", "measures", "samples_per_period", "errors"],
-        _ => &[],
-    };
-    numbers.chain(words.map(|choice| choice.name)).chain(others.iter().copied()).collect()
 }
 
 fn read_tables(source: &Source, field: &str, value: &Value<'_>) -> Result<Vec<Table>, Error> {
@@ -373,7 +338,7 @@ fn tables_or_default(
 
 /// Message for a sweep whose study names the table `trajectory`.
 pub const NO_TRAJECTORY: &str = "a sweep has no trajectory table, only a single run \
-     (`iva run`) has; give summary, impacts, episodes, envelope or stroboscope";
+     (`iva run`) has; give summary, impacts, episodes, envelope, stroboscope or absorbers";
 
 fn read_measures(source: &Source, field: &str, value: &Value<'_>) -> Result<Selection, Error> {
     let known: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();

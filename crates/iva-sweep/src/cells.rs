@@ -32,6 +32,29 @@ impl Word for Option<String> {
     }
 }
 
+/// A whole number for a cell, possibly missing.
+pub(crate) trait Counted {
+    fn counted(self) -> Option<u64>;
+}
+
+impl Counted for u64 {
+    fn counted(self) -> Option<u64> {
+        Some(self)
+    }
+}
+
+impl Counted for usize {
+    fn counted(self) -> Option<u64> {
+        self.try_into().ok()
+    }
+}
+
+impl Counted for Option<u64> {
+    fn counted(self) -> Option<u64> {
+        self
+    }
+}
+
 /// Cells from values that may be missing.
 impl<R> Cell<R> {
     /// The number of a point, which [`Study::points`] ensures to be below 2³².
@@ -43,8 +66,8 @@ impl<R> Cell<R> {
         value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
     }
 
-    pub fn count(value: impl TryInto<u64>) -> Self {
-        value.try_into().map_or(Self::Null, Self::Count)
+    pub fn count(value: impl Counted) -> Self {
+        value.counted().map_or(Self::Null, Self::Count)
     }
 
     pub fn side(value: impl Into<Option<i8>>) -> Self {

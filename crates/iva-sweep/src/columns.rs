@@ -107,6 +107,8 @@ pub static EPISODES: &[Column] = tables::episodes!(described);
 pub static ENVELOPE: &[Column] = tables::envelope!(described);
 /// Columns of `stroboscope` after `point`.
 pub static STROBOSCOPE: &[Column] = tables::stroboscope!(described);
+/// Columns of `absorbers` after `point`.
+pub static ABSORBERS: &[Column] = tables::absorbers!(described);
 /// Columns of the trajectory after `point`.
 pub static TRAJECTORY: &[Column] = tables::trajectory!(described);
 
@@ -123,6 +125,7 @@ pub fn columns(table: Table) -> &'static [Column] {
         Table::Episodes => EPISODES,
         Table::Envelope => ENVELOPE,
         Table::Stroboscope => STROBOSCOPE,
+        Table::Absorbers => ABSORBERS,
         Table::Trajectory => TRAJECTORY,
     }
 }

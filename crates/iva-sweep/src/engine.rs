@@ -16,3 +16,4 @@ pub(crate) mod point;
 pub(crate) mod rows;
 pub mod scale;
 pub mod scene;
+mod several;

@@ -318,6 +318,16 @@ impl FieldId {
         IDS.iter().copied()
     }
 
+    /// True if it is a field of an absorber or of its start, of which each of several absorbers has its own.
+    pub fn of_absorber(self) -> bool {
+        let Field { part, kinds, .. } = self.info();
+        match part {
+            Part::Absorber => true,
+            Part::Start => !kinds.contains(&Kind::None) && self != FieldId::Reference,
+            _ => false,
+        }
+    }
+
     /// `part.name`, as error messages and study files write it.
     pub fn path(self) -> String {
         let field = self.info();

@@ -20,7 +20,7 @@ use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate_from;
 
 use crate::cells::Cell;
-use crate::choices::{Kind, only};
+use crate::choices::Kind;
 use crate::columns::columns;
 use crate::design::{Design, Spec};
 use crate::engine::given::Given;
@@ -126,7 +126,7 @@ fn is_known(table: Table, row: &[Cell<Dual>], index: usize, from: f64, period: f
         (Table::Summary, "energy_initial" | "gravity") => true,
         (Table::Summary, "damping_ratio_energy") => period < from,
         // All others depend on the whole run.
-        (Table::Summary, _) => false,
+        (Table::Summary | Table::Absorbers, _) => false,
         // An event is known if all its instants are.
         _ => (1..row.len()).all(before),
     }
@@ -138,9 +138,8 @@ fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     if NOT_PHYSICAL.contains(&slot.field) {
         return Err(refused("the motion does not depend on it"));
     }
-    let kinds = slot.info().kinds;
-    if !kinds.contains(&spec.choices().kind) {
-        return Err(refused(&only(kinds)));
+    if slot.info().part != Part::Force {
+        spec.check(slot).map_err(|rule| refused(&rule))?;
     }
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
@@ -185,8 +184,8 @@ struct Grazings {
     curvature: Option<f64>,
     /// True once an impact was close to a grazing.
     met: bool,
-    /// For each listed impact: approach speed, and whether it or an earlier one was close to a grazing.
-    impacts: Vec<(f64, bool)>,
+    /// For each listed impact: absorber, approach speed, and whether it or an earlier one was close to a grazing.
+    impacts: Vec<(u8, f64, bool)>,
 }
 
 impl Grazings {
@@ -212,20 +211,21 @@ impl<S: Absorber<Real = Dual>> Observer<S> for Grazings {
             let near = 2.0 * curvature * (slope * self.change).abs() >= speed;
             self.met |= near || !slope.is_finite();
         }
-        self.impacts.push((speed, self.met));
+        self.impacts.push((impact.absorber, speed, self.met));
     }
 
-    fn unlist(&mut self, _absorber: u8, first: u64, floor: Dual) {
+    fn unlist(&mut self, absorber: u8, first: u64, floor: Dual) {
         let mut index = 0;
-        self.impacts.retain(|(speed, _)| {
-            index += 1;
-            index <= first || *speed > floor
+        self.impacts.retain(|(of, speed, _)| {
+            let mine = *of == absorber;
+            index += u64::from(mine);
+            !mine || index <= first || *speed > floor
         });
     }
 }
 
 impl<S: Absorber<Real = Dual>> Estimates<S> for Grazings {
     fn of_impact(&self, index: usize) -> Estimate<Dual> {
-        Estimate { time: None, near_grazing: self.impacts.get(index).map(|(_, met)| *met) }
+        Estimate { time: None, near_grazing: self.impacts.get(index).map(|(.., met)| *met) }
     }
 }

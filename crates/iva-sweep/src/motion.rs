@@ -110,6 +110,12 @@ impl MotionRow<'_> {
         self.state.map(read)
     }
 
+    /// The number of the absorber; `None` without absorber.
+    fn absorber(&self) -> Option<u64> {
+        let number = self.state.map(|state| u64::from(state.absorber));
+        self.design.scene.absorber().and(number)
+    }
+
     /// A value of the absorber; `None` without absorber.
     fn gap(&self, read: fn(&State) -> f64) -> Option<f64> {
         self.design.scene.absorber().and(self.state(read))

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use iva_core::error::Invalid;
 
 use crate::axis::Axis;
-use crate::choices::{Kind, only};
 use crate::cube::{Cube, CubeError, Method};
+use crate::fields::Part;
 use crate::slot::Slot;
+use crate::spec::Spec;
 use crate::variable::Variable;
 
 /// Largest number of points, because `point` is a 32-bit column.
@@ -261,11 +262,11 @@ impl Sampling {
     }
 
     /// Checks that no two axes sweep the same quantity, because the later one would replace the earlier one,
-    /// and that the kind of absorber has the swept fields.
+    /// and that an absorber has the swept fields.
     ///
     /// # Errors
     /// [`Invalid`] naming the axis, the later of two.
-    pub fn check(&self, kind: Kind) -> Result<(), Invalid> {
+    pub fn check(&self, spec: &Spec) -> Result<(), Invalid> {
         for (index, swept) in self.keys().enumerate() {
             let mut before = self.keys().take(index);
             if let Some(earlier) = before.find(|it| it.slot.same_quantity(swept.slot)) {
@@ -276,9 +277,8 @@ impl Sampling {
             }
         }
         for swept in self.keys() {
-            let kinds = swept.slot.info().kinds;
-            if !kinds.contains(&kind) {
-                return Err(swept.refused(only(kinds)));
+            if swept.slot.info().part != Part::Force {
+                spec.check(swept.slot).map_err(|rule| swept.refused(rule))?;
             }
         }
         Ok(())

@@ -97,7 +97,7 @@ impl Part<'_> {
                     Ok(run) => {
                         let [condition, digits] = Estimates::<S>::of_run(&listed.errors);
                         let named = request.named(listed.passes.iter().copied());
-                        let extremes = listed.extremes;
+                        let extremes = listed.extremes.clone();
                         let run = Ended { condition, digits, extremes, named, ..run };
                         ended[place] = Some((run, listed));
                     }

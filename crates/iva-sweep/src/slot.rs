@@ -1,46 +1,53 @@
-//! The destination of a number of a study: a field, and for one of several forces its number.
+//! The destination of a number of a study: a field, and for one of several forces or absorbers its number.
 
 use iva_core::error::Invalid;
 
 use crate::fields::{Field, FieldId, Part};
 
-/// A field, and for a field of a force in a list the number of the force, from 0.
+/// A field, and for a field of a force or of an absorber in a list its number there, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Slot {
     /// The field.
     pub field: FieldId,
-    /// Number of the force in a list; `None` for all other parts, and for a single force.
-    pub force: Option<usize>,
+    /// Number of the force or of the absorber in a list; `None` for all other parts, for a single force, and for an
+    /// absorber that is alone or for all of several.
+    pub number: Option<usize>,
 }
 
 impl From<FieldId> for Slot {
     fn from(field: FieldId) -> Self {
-        Self { field, force: None }
+        Self { field, number: None }
     }
 }
 
 impl Slot {
     /// A field of the force with this number, of so many.
     pub fn of_force(field: FieldId, number: usize, count: usize) -> Self {
-        Self { field, force: (count > 1).then_some(number) }
+        Self { field, number: (count > 1).then_some(number) }
     }
 
-    /// Reads a sweep key: as [`FieldId::from_key`], or `force.0.frequency` for a list of forces.
+    /// A field of the absorber with this number, of so many.
+    pub fn of_absorber(field: FieldId, number: usize, count: usize) -> Self {
+        Self::of_force(field, number, count)
+    }
+
+    /// Reads a sweep key: as [`FieldId::from_key`], or with the number of a force or of an absorber in a list, as in
+    /// `force.0.frequency`, `absorber.1.clearance` and `start.1.gap_displacement`.
     ///
     /// # Errors
     /// As [`FieldId::from_key`].
     pub fn from_key(key: &str) -> Result<Self, Invalid> {
-        let numbered = key.strip_prefix("force.").and_then(|rest| rest.split_once('.'));
-        let numbered = numbered.and_then(|(number, name)| Some((number.parse().ok()?, name)));
-        match numbered {
-            Some((number, name)) => match FieldId::find(Part::Force, name) {
-                Some(field) => Ok(Self { field, force: Some(number) }),
-                None => {
-                    let rule = "no such field of a force";
-                    Err(Invalid::new("sweep key", format!("`{key}`"), rule))
-                }
-            },
-            None => FieldId::from_key(key).map(Self::from),
+        let Some((part, number, name)) = numbered(key) else {
+            return FieldId::from_key(key).map(Self::from);
+        };
+        let listed = |field: &FieldId| part == Part::Force || field.of_absorber();
+        match FieldId::find(part, name).filter(listed) {
+            Some(field) => Ok(Self { field, number: Some(number) }),
+            None => {
+                let of = if part == Part::Force { "a force" } else { "an absorber" };
+                let rule = format!("no such field of {of}");
+                Err(Invalid::new("sweep key", format!("`{key}`"), rule))
+            }
         }
     }
 
@@ -49,18 +56,23 @@ impl Slot {
         self.field.info()
     }
 
-    /// `part.name`, with the number of a force between them, as error messages and study files write it.
+    /// `part.name`, with the number in a list between them, as error messages and study files write it.
     pub fn path(self) -> String {
-        match self.force {
+        match self.number {
             Some(number) => format!("{}.{number}.{}", self.info().part.name(), self.info().name),
             None => self.field.path(),
         }
     }
 
-    /// True if two slots set the same quantity, of the same force if it is one of a force.
+    /// True if two slots set the same quantity, of the same force or absorber if it is one of these.
     pub fn same_quantity(self, other: Slot) -> bool {
-        let number = |slot: Slot| slot.force.unwrap_or(0);
-        self.field.same_quantity(other.field) && number(self) == number(other)
+        if !self.field.same_quantity(other.field) {
+            return false;
+        }
+        match (self.number, other.number) {
+            (None, _) | (_, None) if self.field.of_absorber() => true,
+            (one, other) => one.unwrap_or(0) == other.unwrap_or(0),
+        }
     }
 
     /// Checks a value against the field's range.
@@ -70,4 +82,12 @@ impl Slot {
     pub fn check(self, value: f64) -> Result<f64, Invalid> {
         self.field.check(value).map_err(|error| Invalid { field: self.path(), ..error })
     }
+}
+
+/// Part, number and name of a key `part.number.name` of a part that can be a list.
+fn numbered(key: &str) -> Option<(Part, usize, &str)> {
+    let (part, rest) = key.split_once('.')?;
+    let part = [Part::Force, Part::Absorber, Part::Start].into_iter().find(|it| it.name() == part);
+    let (number, name) = rest.split_once('.')?;
+    Some((part?, number.parse().ok()?, name))
 }

@@ -8,15 +8,32 @@ use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::{ForceSpec, Recorded};
 use crate::slot::Slot;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
+use iva_core::absorber::several;
 
 /// The fields of one run as given; all others have defaults or follow from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
     choices: Choices,
-    /// The values of all fields except those of forces.
-    values: [Option<f64>; FIELD_COUNT],
+    /// The values of all fields except those of forces, and of absorbers after the first.
+    values: Values,
     forces: Vec<ForceSpec>,
+    /// The absorbers after the first.
+    more: Vec<AbsorberSpec>,
 }
+
+/// A value for each field.
+type Values = [Option<f64>; FIELD_COUNT];
+
+/// An absorber after the first, as given.
+#[derive(Debug, Clone, PartialEq)]
+struct AbsorberSpec {
+    choices: Choices,
+    /// The values of its fields, and of those of its start.
+    values: Box<Values>,
+}
+
+/// Largest number of absorbers.
+pub const MOST_ABSORBERS: usize = several::MOST;
 
 impl Default for Spec {
     fn default() -> Self {
@@ -27,12 +44,76 @@ impl Default for Spec {
 impl Spec {
     /// A spec without fields.
     pub fn new(choices: Choices) -> Self {
-        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new() }
+        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new(), more: Vec::new() }
     }
 
-    /// Kind of absorber, and model of a pendulum.
+    /// A spec of several absorbers without fields.
+    ///
+    /// # Errors
+    /// [`Invalid`] for none or too many, and for one that is none.
+    pub fn several(absorbers: &[Choices]) -> Result<Self, Invalid> {
+        let count = absorbers.len();
+        let Some((first, others)) = absorbers.split_first().filter(|_| count <= MOST_ABSORBERS)
+        else {
+            let rule = format!("give 1 to {MOST_ABSORBERS} absorbers");
+            return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
+        };
+        if let Some(number) = absorbers.iter().position(|it| it.kind == Kind::None && count > 1) {
+            let rule = "a list has absorbers only; leave it out";
+            return Err(Invalid::new(format!("absorber.{number}.kind"), "\"none\"", rule));
+        }
+        let others = others.iter();
+        let more =
+            others.map(|it| AbsorberSpec { choices: *it, values: Box::new([None; FIELD_COUNT]) });
+        Ok(Self { more: more.collect(), ..Self::new(*first) })
+    }
+
+    /// A spec of the same absorbers without fields and forces.
+    pub fn emptied(&self) -> Self {
+        let more = self.more.iter();
+        let more = more
+            .map(|it| AbsorberSpec { choices: it.choices, values: Box::new([None; FIELD_COUNT]) });
+        Self { more: more.collect(), ..Self::new(self.choices) }
+    }
+
+    /// Number of absorbers; 1 for a structure without absorber as well.
+    pub fn count(&self) -> usize {
+        1 + self.more.len()
+    }
+
+    /// Kind of absorber, and model of a pendulum; of several those of the first.
     pub fn choices(&self) -> &Choices {
         &self.choices
+    }
+
+    /// Those of the absorber of this number in a list.
+    pub fn choices_of(&self, absorber: usize) -> &Choices {
+        let other = absorber.checked_sub(1).and_then(|k| self.more.get(k));
+        other.map_or(&self.choices, |it| &it.choices)
+    }
+
+    /// True if a field belongs to a kind of absorber that is given.
+    pub fn has(&self, slot: Slot) -> bool {
+        let kinds = slot.info().kinds;
+        let mut absorbers = self.reached(slot);
+        absorbers.any(|absorber| kinds.contains(&self.choices_of(absorber).kind))
+    }
+
+    /// The numbers of the absorbers that a slot is about; all for a field that is not of an absorber.
+    fn reached(&self, slot: Slot) -> std::ops::Range<usize> {
+        match slot.number.filter(|_| slot.field.of_absorber()) {
+            Some(number) => number..self.count().min(number + 1),
+            None => 0..self.count(),
+        }
+    }
+
+    /// The place of a field that is not of a force, for the absorber of this number.
+    pub fn slot(&self, field: FieldId, absorber: usize) -> Slot {
+        if field.of_absorber() {
+            Slot::of_absorber(field, absorber, self.count())
+        } else {
+            field.into()
+        }
     }
 
     /// Adds a force; its fields are set afterwards.
@@ -55,38 +136,68 @@ impl Spec {
         self.forces.iter().any(ForceSpec::lasts)
     }
 
-    /// Sets a field after checking its range. A field of a force adds a force if there is none.
+    /// Sets a field after checking its range. A field of a force adds a force if there is none. A field of an absorber
+    /// without its number is set for all of several absorbers that have it.
     ///
     /// # Errors
     /// [`Invalid`] with field, value and range; for a field of another kind of absorber; or for a force that
     /// does not exist.
     pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
         let slot = slot.into();
-        let kinds = slot.info().kinds;
-        if !kinds.contains(&self.choices.kind) {
-            return Err(Invalid::new(slot.path(), number(value), only(kinds)));
-        }
+        self.check(slot).map_err(|rule| Invalid::new(slot.path(), number(value), rule))?;
         let value = slot.check(value)?;
         if slot.info().part == Part::Force {
             self.force_at(slot, value)?.put(slot.field, Some(value));
         } else {
-            self.values[slot.field as usize] = Some(value);
+            self.put(slot, Some(value));
         }
         Ok(())
+    }
+
+    /// Checks that there is an absorber that has a field.
+    ///
+    /// # Errors
+    /// What is allowed instead.
+    pub(crate) fn check(&self, slot: Slot) -> Result<(), String> {
+        let count = self.count();
+        if slot.field.of_absorber() && slot.number.is_some_and(|number| number >= count) {
+            return Err(match count {
+                1 => "there is one absorber, number 0".to_owned(),
+                _ => format!("there are {count} absorbers, numbered from 0"),
+            });
+        }
+        if self.has(slot) { Ok(()) } else { Err(only(slot.info().kinds)) }
+    }
+
+    /// Puts a value of a field that is not of a force, for each absorber that a slot is about.
+    fn put(&mut self, slot: Slot, value: Option<f64>) {
+        let kinds = slot.info().kinds;
+        for absorber in self.reached(slot) {
+            if value.is_some() && !kinds.contains(&self.choices_of(absorber).kind) {
+                continue;
+            }
+            let of_absorber = slot.field.of_absorber();
+            let other = absorber.checked_sub(1).filter(|_| of_absorber);
+            match other.map(|k| self.more.get_mut(k)) {
+                Some(Some(other)) => other.values[slot.field as usize] = value,
+                Some(None) => {}
+                None => self.values[slot.field as usize] = value,
+            }
+        }
     }
 
     fn force_at(&mut self, slot: Slot, value: f64) -> Result<&mut ForceSpec, Invalid> {
         let count = self.forces.len();
         let wrong = |rule: String| Err(Invalid::new(slot.path(), number(value), rule));
-        if count == 0 && slot.force.unwrap_or(0) == 0 {
+        if count == 0 && slot.number.unwrap_or(0) == 0 {
             self.forces.push(ForceSpec::new(None));
-        } else if slot.force.is_none() && count > 1 {
+        } else if slot.number.is_none() && count > 1 {
             let name = slot.info().name;
             return wrong(format!(
                 "there are {count} forces; write force.0.{name}, force.1.{name}, …"
             ));
         }
-        match self.forces.get_mut(slot.force.unwrap_or(0)) {
+        match self.forces.get_mut(slot.number.unwrap_or(0)) {
             Some(force) => Ok(force),
             None if count == 1 => wrong("there is one force, number 0".to_owned()),
             None => wrong(format!("there are {count} forces, numbered from 0")),
@@ -107,21 +218,32 @@ impl Spec {
     pub(crate) fn clear(&mut self, slot: Slot) {
         for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
             if other.info().part != Part::Force {
-                self.values[other as usize] = None;
-            } else if let Some(force) = self.forces.get_mut(slot.force.unwrap_or(0)) {
+                self.put(Slot { field: other, ..slot }, None);
+            } else if let Some(force) = self.forces.get_mut(slot.number.unwrap_or(0)) {
                 force.put(other, None);
             }
         }
     }
 
-    /// The value given for a field that does not belong to a force.
+    /// The value given for a field that does not belong to a force; of several absorbers that of the first.
     pub fn get(&self, field: FieldId) -> Option<f64> {
         self.values[field as usize]
     }
 
-    /// The fields given, in table order, with those of the forces last.
+    /// The same, for the absorber of this number.
+    pub fn get_of(&self, absorber: usize, field: FieldId) -> Option<f64> {
+        match absorber.checked_sub(1).filter(|_| field.of_absorber()) {
+            Some(other) => self.more.get(other)?.values[field as usize],
+            None => self.get(field),
+        }
+    }
+
+    /// The fields given, in table order, each for one absorber after the other, with those of the forces last.
     pub fn given(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
-        let plain = FieldId::all().filter_map(|id| Some((Slot::from(id), self.get(id)?)));
+        let plain = FieldId::all().flat_map(move |id| {
+            let absorbers = if id.of_absorber() { self.count() } else { 1 };
+            (0..absorbers).filter_map(move |k| Some((self.slot(id, k), self.get_of(k, id)?)))
+        });
         let count = self.forces.len();
         let of_forces = self.forces.iter().enumerate().flat_map(move |(number, force)| {
             force.given().map(move |(id, value)| (Slot::of_force(id, number, count), value))
@@ -149,11 +271,13 @@ impl Spec {
     /// # Errors
     /// As [`Spec::units`].
     pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let weighs = match self.choices().kind {
-            Kind::Siva => true,
-            Kind::Piva => self.get(FieldId::FrequencyRatio).is_none(),
-            Kind::None => false,
-        };
+        let weighs = self.count() == 1;
+        let weighs = weighs
+            && match self.choices().kind {
+                Kind::Siva => true,
+                Kind::Piva => self.get(FieldId::FrequencyRatio).is_none(),
+                Kind::None => false,
+            };
         let standard = weighs && self.units()? == UnitSystem::Si;
         Ok(standard.then_some(STANDARD_GRAVITY))
     }
@@ -174,13 +298,14 @@ impl Spec {
         Given::new(self).design()
     }
 
-    pub(crate) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
-        let mut given = fields.iter().filter(|id| self.get(**id).is_some());
+    pub(crate) fn at_most_one(&self, absorber: usize, fields: &[FieldId]) -> Result<(), Invalid> {
+        let mut given = fields.iter().filter(|id| self.get_of(absorber, **id).is_some());
+        let path = |field: FieldId| self.slot(field, absorber).path();
         match (given.next(), given.next()) {
             (Some(first), Some(second)) => Err(Invalid::new(
-                second.path(),
-                self.get(*second).map_or(String::new(), number),
-                format!("{} is given as well; give one of them", first.path()),
+                path(*second),
+                self.get_of(absorber, *second).map_or(String::new(), number),
+                format!("{} is given as well; give one of them", path(*first)),
             )),
             _ => Ok(()),
         }

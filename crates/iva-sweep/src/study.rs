@@ -24,21 +24,30 @@ pub enum Table {
     Envelope,
     /// One row per cycle of the harmonic force.
     Stroboscope,
+    /// One row per absorber.
+    Absorbers,
     /// The motion sampled in time (single runs only).
     Trajectory,
 }
 
 impl Table {
     /// The tables that a sweep can write.
-    pub const SWEEP: [Table; 5] =
-        [Table::Summary, Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
-    /// All tables, the trajectory last.
-    pub const ALL: [Table; 6] = [
+    pub const SWEEP: [Table; 6] = [
         Table::Summary,
         Table::Impacts,
         Table::Episodes,
         Table::Envelope,
         Table::Stroboscope,
+        Table::Absorbers,
+    ];
+    /// All tables, the trajectory last.
+    pub const ALL: [Table; 7] = [
+        Table::Summary,
+        Table::Impacts,
+        Table::Episodes,
+        Table::Envelope,
+        Table::Stroboscope,
+        Table::Absorbers,
         Table::Trajectory,
     ];
 
@@ -50,6 +59,7 @@ impl Table {
             Table::Episodes => "episodes",
             Table::Envelope => "envelope",
             Table::Stroboscope => "stroboscope",
+            Table::Absorbers => "absorbers",
             Table::Trajectory => "trajectory",
         }
     }

@@ -105,7 +105,7 @@ pub fn validate(
 /// Checks a study as a whole, without its points.
 fn checked(study: &Study) -> Result<(), Invalid> {
     study.spec.distinct()?;
-    study.sampling.check(study.spec.choices().kind)
+    study.sampling.check(&study.spec)
 }
 
 /// Runs a range of points and builds the tables of the study over them. An invalid point among at most
@@ -213,12 +213,12 @@ fn run_chunk(
                 let envelope = envelope.as_deref().unwrap_or_default();
                 let strobes = strobes.as_deref().unwrap_or_default();
                 let found = Seen { events, envelope, strobes, estimates: &errors };
-                list(study, point, design, request, &found, &mut into(builders));
+                list(study, point, design, request, (&ended, &found), &mut into(builders));
                 ended
             }
             Some((ended, _)) => ended,
             None if control.cancelled() => break,
-            // Every kind of scene goes side by side; one that did not must not lose its rows.
+            // Scenes of several absorbers go one by one.
             None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();

@@ -46,11 +46,15 @@ pub struct Watched {
 }
 
 /// What a scene that [`takes`] refuses is to be told.
-pub const TAKEN: &str = "the explorer takes one harmonic force or base motion, and no tolerance";
+pub const TAKEN: &str =
+    "the explorer takes one absorber, one harmonic force or base motion, and no tolerance";
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {
-    design.tier != Tier::Fast && design.scene.force().is_none_or(|force| force.is_single())
+    let single = design.scene.count() <= 1;
+    single
+        && design.tier != Tier::Fast
+        && design.scene.force().is_none_or(|force| force.is_single())
 }
 
 /// Runs a study of one point; its trajectory has so many samples in a period 2π/ωn. `None`: [`takes`] refuses it.
@@ -99,7 +103,7 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
 /// [`Invalid`] for an invalid point.
 pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> {
     study.spec.distinct()?;
-    study.sampling.check(study.spec.choices().kind)?;
+    study.sampling.check(&study.spec)?;
     let study = &Study { tables: vec![Table::Summary], ..study.clone() };
     let request = Request::new(study);
     let column = 1

@@ -156,7 +156,7 @@ def course(made: dict[str, Any], reference: Start | None) -> Course:
     row = made["state"]
     return Course(
         state=tuple(row[name] for name in NAMES),
-        start=state_of(row, REST if reference is None else reference),
+        start=state_of([row], REST if reference is None else reference),
         impacts=tuple(Impact(**fields) for fields in made["impacts"]),
         episodes=tuple(Episode(**fields) for fields in made["episodes"]),
         walls=made["walls"],
@@ -183,7 +183,7 @@ def start_of(start: object) -> Start:
     if isinstance(start, (theory.Orbit, Orbit)):
         return start.start
     if isinstance(start, Run):
-        return state_of(start.trajectory(1).row(-1, named=True), start.start)
+        return state_of([start.trajectory(1).row(-1, named=True)], start.start)
     if isinstance(start, Iterable) and not isinstance(start, str):
         values = numbers("start", start)
         if len(values) != len(NAMES):

@@ -65,6 +65,9 @@ def section(
         raise TypeError(f"run = {shown(run)}: give an iva.Run, of iva.simulate")
     if at not in INSTANTS:
         raise ValueError(f"at = {shown(at)}: give {', '.join(INSTANTS)}")
+    if isinstance(run.absorber, tuple) and len(run.absorber) > 1:
+        count = len(run.absorber)
+        raise ValueError(f"run has {count} absorbers: a section is of one; give such a run")
     if run.absorber is None:
         raise ValueError("run: it has no absorber; a section shows the motion in the gap as well")
     skipped = whole("discard", discard, 0, 10**12)

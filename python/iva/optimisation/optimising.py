@@ -178,7 +178,7 @@ def optimise(
     absorbers = list(absorber) if isinstance(absorber, Sequence) else [absorber]
     if not absorbers:
         raise ValueError("absorber = []: give at least one")
-    specs = [scene(one, primary, start or Start(), force, run) for one in absorbers]
+    specs = [scene(one, primary, start or Start(), force, run, several=True) for one in absorbers]
     asked = {
         "choose": choose,
         "minimise": minimise,

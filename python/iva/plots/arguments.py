@@ -10,6 +10,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from iva.parameters import number, shown
+from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.spelling import no_column
 from iva.tables import Table
@@ -17,17 +18,48 @@ from iva.tables import Table
 Numbers = NDArray[np.float64]
 
 
-def checked_run(run: object, field: str = "run") -> Run:
+def checked_run(run: object, field: str = "run", *, several: bool = False) -> Run:
     """Return a run.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    field : str
+        Its name for messages.
+    several : bool, default False
+        Whether it may have several absorbers.
 
     Raises
     ------
     TypeError
         If it is none.
+    ValueError
+        If it has several absorbers that are not drawn here.
     """
     if not isinstance(run, Run):
         raise TypeError(f"{field} = {shown(run)}: give an iva.Run, of iva.simulate")
+    count = len(absorbers(run.absorber))
+    if count > 1 and not several:
+        raise ValueError(f"{field} has {count} absorbers: this is drawn for one; give such a run")
     return run
+
+
+def checked_absorber(run: Run, absorber: object) -> int:
+    """Return the number of an absorber of a run.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the run has none of this number.
+    """
+    place, count = number("absorber", absorber), len(absorbers(run.absorber))
+    if place not in range(count):
+        there = (
+            f"the run has {count}, numbered from 0" if count > 1 else "the run has one, number 0"
+        )
+        raise ValueError(f"absorber = {shown(absorber)}: {there}")
+    return int(place)
 
 
 def checked_table(table: object) -> Table:
@@ -74,10 +106,13 @@ def limit(until: float | None) -> float:
     return end
 
 
-def motion_of(run: Run, until: float | None) -> tuple[Mapping[str, Numbers], float]:
+def motion_of(
+    run: Run, until: float | None, absorber: int | None = None
+) -> tuple[Mapping[str, Numbers], float]:
     """Return the columns of the motion up to an instant, and the last instant to draw.
 
-    Both states of every impact are among them.
+    Both states of every impact are among them: of several absorbers the impacts of one, or without
+    its number those of all, where the gap is that of any.
 
     Raises
     ------
@@ -85,6 +120,12 @@ def motion_of(run: Run, until: float | None) -> tuple[Mapping[str, Numbers], flo
         If `until` is no number greater than 0.
     """
     motion = run.trajectory()
+    if len(absorbers(run.absorber)) > 1:
+        if absorber is None:
+            once = ["time", "displacement", "velocity"]
+            motion = motion.unique(once, keep="first", maintain_order=True)
+        else:
+            motion = motion.filter(pl.col("absorber") == absorber)
     end = min(limit(until), float(motion["time"][-1]))
     part = motion.filter(pl.col("time") <= end)
     return {name: values_of(part[name]) for name in part.columns}, end

@@ -13,6 +13,7 @@ from iva.parameters import numbers, shown
 from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
 from iva.plots.labels import labelled
 from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
+from iva.scenes import absorbers
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
@@ -83,7 +84,7 @@ def decay(
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('time ωₙt', 'displacement x/A₀')
     """
-    motion, end = motion_of(checked_run(run), until)
+    motion, end = motion_of(checked_run(run, several=True), until)
     for field, value in (("relative", relative), ("impacts", impacts), ("envelope", envelope)):
         truth(field, value)
     units = run.units["trajectory"]
@@ -159,7 +160,7 @@ def settle_lines(
             axes.axhline(height, color=GREY, linewidth=0.4, linestyle=":", zorder=1)
         time = summary[f"settling_time_{level:g}"] if level in SETTLED else None
         if time is not None and time <= end:
-            height = values_of(run.at([time])["displacement"]).item() / scale
+            height = values_of(run.at([time])["displacement"])[0] / scale
             axes.plot(
                 time, height, "o", color=STRUCTURE, markersize=3, label=f"_settled to {level:g} %"
             )
@@ -186,7 +187,7 @@ def reference_amplitude(run: Run) -> float:
     ValueError
         If nothing moves.
     """
-    start = abs(float(run.at([0.0])["displacement"].item()))
+    start = abs(float(run.at([0.0])["displacement"][0]))
     if start == 0.0:
         start = float(frame_of(run, "envelope")["amplitude"][0])
     if start == 0.0:
@@ -196,7 +197,7 @@ def reference_amplitude(run: Run) -> float:
 
 @spell_checked
 def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) -> Axes:
-    """Draw the velocities of structure and absorber, which jump at every impact.
+    """Draw the velocities of structure and absorbers, which jump at every impact.
 
     Without absorber it is the velocity of the structure alone.
 
@@ -237,13 +238,19 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
     """
-    motion, end = motion_of(checked_run(run), until)
+    motion, end = motion_of(checked_run(run, several=True), until)
     units = run.units["trajectory"]
+    every = absorbers(run.absorber)
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"
     with drawing_on(ax) as axes:
-        if run.absorber is not None:
-            absorber = motion["velocity"] + design_of(run).lever * motion["gap_velocity"]
-            axes.plot(motion["time"], absorber, color=ABSORBER, linewidth=0.8, label="absorber ẋ₁")
+        for place, absorber in enumerate(every):
+            if absorber is None:
+                continue
+            own, _ = motion_of(run, until, place)
+            velocity = own["velocity"] + design_of(run, place).lever * own["gap_velocity"]
+            name = "absorber ẋ₁" if len(every) == 1 else f"absorber {place}"
+            shade = 0.35 + 0.65 / (place + 1)
+            axes.plot(own["time"], velocity, color=ABSORBER, alpha=shade, linewidth=0.8, label=name)
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
         axes.set_xlim(0.0, end)
         axes.set_xlabel(labelled("time", "t", units["time"]))

@@ -7,16 +7,22 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from iva.design import design_of
-from iva.plots.arguments import checked_run, motion_of
+from iva.plots.arguments import checked_absorber, checked_run, motion_of
 from iva.plots.labels import labelled
 from iva.plots.styles import STRUCTURE, VERMILLION, drawing_on, legend_above
+from iva.scenes import absorbers
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
 
 @spell_checked
 def phase(
-    run: Run, *, relative: bool = False, until: float | None = None, ax: Axes | None = None
+    run: Run,
+    *,
+    relative: bool = False,
+    absorber: int = 0,
+    until: float | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw velocity over displacement; impacts are vertical jumps.
 
@@ -27,6 +33,8 @@ def phase(
     relative : bool, default False
         Draw the absorber in its gap, w over y, with the walls at y = ±d; otherwise the structure,
         ẋ over x.
+    absorber : int, default 0
+        The number of the absorber whose gap is drawn, of several.
     until : float, optional
         Last instant to draw, in the unit of time of the run; all of it by default.
     ax : matplotlib axes, optional
@@ -55,9 +63,10 @@ def phase(
     'gap displacement y (unit of x₀)'
     """
     truth("relative", relative)
-    if checked_run(run).absorber is None and relative:
+    if checked_run(run, several=True).absorber is None and relative:
         raise ValueError("relative = True: this run has no absorber, and so no gap; give False")
-    motion, _ = motion_of(run, until)
+    place = checked_absorber(run, absorber)
+    motion, _ = motion_of(run, until, place if relative else None)
     units = run.units["trajectory"]
     across, up = ("gap_displacement", "gap_velocity") if relative else ("displacement", "velocity")
     symbols = ("y", "w") if relative else ("x", "ẋ")
@@ -67,8 +76,10 @@ def phase(
         still = np.diff(motion["time"]) == 0.0
         # Without absorber the gap velocity is NaN, and no jump.
         jumps = np.flatnonzero(still & (np.abs(np.diff(motion["gap_velocity"])) > 0.0))
+        if not relative and len(absorbers(run.absorber)) > 1:
+            jumps = np.flatnonzero(still & (np.abs(np.diff(motion["velocity"])) > 0.0))
         if relative:
-            design = design_of(run)
+            design = design_of(run, place)
             assert design.clearance is not None
             walls(axes, design.clearance, design.gap_offset)
         axes.plot(

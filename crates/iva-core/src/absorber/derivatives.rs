@@ -12,6 +12,8 @@ mod piva;
 mod siva;
 mod structure;
 
+pub(crate) use structure::columns;
+
 /// A system whose motion can be differentiated.
 pub trait Differentiable: Absorber<Real = f64> {
     /// True if the derivatives of the motion are those of a linear equation: known for any length, and the same

@@ -23,6 +23,10 @@ pub trait OnStructure {
     }
     /// Mass ratio μ; 0 without absorber.
     fn mass_ratio(&self) -> Self::Real;
+    /// That of the absorber of this index, where there are several.
+    fn mass_ratio_of(&self, _absorber: usize) -> Self::Real {
+        self.mass_ratio()
+    }
     /// Displacement and velocity of the primary.
     fn primary(&self, state: &Self::State) -> Point<Self::Real>;
     /// Total energy per primary mass.

@@ -1,5 +1,7 @@
 //! A list of free masses on one structure, each in a gap of its own. The empty list is the structure alone.
 //!
+//! A list has room for N masses. [`Several`] as it stands in scenes has room for [`MOST`], of which it holds some.
+//!
 //! The structure moves as one with the masses that are stuck to it; each of the others obeys D̈ = s A, where D is its
 //! distance to the wall last touched, s the sign of that wall and A the absolute acceleration of the structure
 //! ([`crate::absorber::siva`]). So all masses fly in one motion of the structure, and a state is that of the structure plus
@@ -22,7 +24,7 @@ use crate::absorber::siva::free_mass::check_place;
 use crate::absorber::{Absorber, Clock, Point, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
-use crate::host::oscillator::Primary;
+use crate::host::oscillator::{Equation, Primary};
 use crate::host::{DrivenHost, Host, HostState, Structure, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -43,25 +45,36 @@ pub const MOST: usize = 8;
 /// Contacts closer to each other than this, in units of 2⁻⁵²/ωn, are one event.
 const AT_ONCE_ULPS: f64 = 8.0;
 
-/// N free masses on a structure.
+/// Free masses on a structure, N at most.
 #[derive(Debug, Clone)]
-pub struct Several<H: Host, const N: usize> {
-    pub(crate) masses: [FreeMass<H::Real>; N],
+pub struct Several<H: Host, const N: usize = MOST> {
+    /// Those in use first; the others are copies of the first.
+    masses: [FreeMass<H::Real>; N],
+    count: usize,
     pub(crate) host: H,
     /// The structure with a set of masses stuck to it, made when the set first is.
-    carrying: Vec<OnceLock<H>>,
+    carrying: Vec<OnceLock<Box<H>>>,
 }
 
 /// A structure without absorber.
 pub type Alone<H> = Several<H, 0>;
 
-/// A start of the structure and of N absorbers.
+/// A start of the structure and of absorbers, N at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Starts<R, const N: usize> {
+pub struct Starts<R, const N: usize = MOST> {
     /// Displacement and velocity of the structure.
     pub primary: Point<R>,
-    /// Gap displacement and gap velocity of each absorber.
+    /// Gap displacement and gap velocity of each absorber; those after the last absorber mean nothing.
     pub gaps: [GapPoint<R>; N],
+}
+
+impl<R: Real> Starts<R> {
+    /// A start of some absorbers.
+    pub fn of(primary: Point<R>, gaps: &[GapPoint<R>]) -> Self {
+        let unused = GapPoint { y: R::ZERO, w: R::ZERO };
+        let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
+        Self { primary, gaps }
+    }
 }
 
 impl<R> From<Point<R>> for Starts<R, 0> {
@@ -70,8 +83,24 @@ impl<R> From<Point<R>> for Starts<R, 0> {
     }
 }
 
+impl<R: Real> Several<UndrivenHost<R>> {
+    /// A list of masses on a structure of damping ratio ζ without drive.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a damping ratio out of [`crate::range`], for no mass, and for more than [`MOST`].
+    pub fn of(damping_ratio: R, masses: &[FreeMass<R>]) -> Result<Self, Invalid> {
+        let Some(first) = masses.first().filter(|_| masses.len() <= MOST) else {
+            let rule = format!("give 1 to {MOST} absorbers");
+            return Err(Invalid::new("absorber", format!("a list of {}", masses.len()), rule));
+        };
+        range::damping_ratio("primary.damping_ratio", damping_ratio)?;
+        let all = std::array::from_fn(|k| masses.get(k).copied().unwrap_or(*first));
+        Ok(Self::on(UndrivenHost::new(damping_ratio, total(masses)), all, masses.len()))
+    }
+}
+
 impl<R: Real, const N: usize> Several<UndrivenHost<R>, N> {
-    /// Some masses on a structure of damping ratio ζ without drive.
+    /// N masses on a structure of damping ratio ζ without drive.
     ///
     /// # Errors
     /// [`Invalid`] for a damping ratio out of [`crate::range`], and for more than [`MOST`] masses.
@@ -81,13 +110,14 @@ impl<R: Real, const N: usize> Several<UndrivenHost<R>, N> {
             let rule = format!("give {MOST} absorbers at most");
             return Err(Invalid::new("absorber", number(N as f64), rule));
         }
-        Ok(Self::on(UndrivenHost::new(damping_ratio, total(&masses)), masses))
+        Ok(Self::on(UndrivenHost::new(damping_ratio, total(&masses)), masses, N))
     }
 
     /// The same masses on the same structure under a force.
     pub fn under(&self, force: Force<R>) -> Several<DrivenHost<R>, N> {
-        let (damping_ratio, masses) = (self.host.damping_ratio(), self.masses);
-        Several::on(DrivenHost::new(damping_ratio, total(&masses), force, R::ZERO), masses)
+        let damping_ratio = self.host.damping_ratio();
+        let host = DrivenHost::new(damping_ratio, total(self.masses()), force, R::ZERO);
+        Several::on(host, self.masses, self.count)
     }
 }
 
@@ -97,8 +127,9 @@ fn total<R: Real>(masses: &[FreeMass<R>]) -> R {
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
-    fn on(host: H, masses: [FreeMass<R>; N]) -> Self {
-        Self { masses, host, carrying: (0..1_usize << N).map(|_| OnceLock::new()).collect() }
+    fn on(host: H, masses: [FreeMass<R>; N], count: usize) -> Self {
+        let carrying = (0..1_usize << count).map(|_| OnceLock::new()).collect();
+        Self { masses, count, host, carrying }
     }
 
     /// The damping ratio ζ of the structure.
@@ -112,8 +143,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     }
 
     /// The masses.
-    pub fn masses(&self) -> &[FreeMass<R>; N] {
-        &self.masses
+    pub fn masses(&self) -> &[FreeMass<R>] {
+        &self.masses[..self.count]
+    }
+
+    /// Each mass, with its place in a state.
+    fn each(&self, state: &SeveralState<H, N>) -> impl Iterator<Item = (&FreeMass<R>, InGap<R>)> {
+        self.masses().iter().zip(state.masses)
     }
 
     /// The structure with the masses that are stuck to it in a state.
@@ -124,7 +160,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
             return self.host.free();
         }
         let mass = || stuck().fold(R::ZERO, |sum, (k, _)| sum + self.masses[k].mass_ratio);
-        self.carrying[set].get_or_init(|| self.host.carrying(mass())).loaded()
+        self.carrying[set].get_or_init(|| Box::new(self.host.carrying(mass()))).loaded()
+    }
+
+    /// Spring, damper and mass of the structure with the masses that are stuck to it in a state.
+    pub(crate) fn equation(&self, state: &SeveralState<H, N>) -> &Equation<R> {
+        self.structure(&state.masses).equation()
+    }
+
+    /// ẋ, A with the masses that are stuck in a state, and the acceleration of the base.
+    pub(crate) fn motion_of(&self, state: &SeveralState<H, N>) -> [R; 3] {
+        let HostState { primary, phase, .. } = &state.host;
+        let structure = self.structure(&state.masses);
+        let [base, ..] = structure.base(phase);
+        [primary.v.value, structure.acceleration(phase, primary).value, base]
     }
 
     /// The structure at a place, with A computed anew for the masses that are stuck to it.
@@ -137,7 +186,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     /// The state in which the structure has gained a velocity: masses in flight keep theirs.
     fn jumped(&self, state: &SeveralState<H, N>, gained: DoubleDouble<R>) -> SeveralState<H, N> {
         let mut after = *state;
-        for mass in after.masses.iter_mut().filter(|mass| !mass.stuck) {
+        for mass in after.masses[..self.count].iter_mut().filter(|mass| !mass.stuck) {
             let kick = [gained.value, gained.rest].map(|part| mass.side * part);
             mass.rate = mass.rate.plus_parts(kick[0], kick[1]);
         }
@@ -153,12 +202,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         state: &'a SeveralState<H, N>,
     ) -> Option<(&'a FreeMass<R>, &'a InGap<R>)> {
         let k = usize::from(state.at_hand);
-        self.masses.get(k).zip(state.masses.get(k))
+        self.masses().get(k).zip(state.masses.get(k))
     }
 
     /// Gap displacement and velocity of each absorber.
-    pub fn gaps(&self, state: &SeveralState<H, N>) -> [GapPoint<R>; N] {
-        std::array::from_fn(|k| state.masses[k].gap(&self.masses[k]))
+    pub fn gaps(&self, state: &SeveralState<H, N>) -> impl Iterator<Item = GapPoint<R>> {
+        self.each(state).map(|(mass, place)| place.gap(mass))
     }
 }
 
@@ -174,7 +223,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         H: 'a;
 
     fn absorbers(&self) -> usize {
-        N
+        self.count
     }
 
     fn at_hand(&self, state: &Self::State) -> usize {
@@ -207,8 +256,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
         let shaken = self.host.free().bound::<0>(&state.host.primary);
         let kicked = self.distance(state).rate.abs() * 2.0;
-        let others = (0..N).filter(|k| *k != usize::from(state.at_hand));
-        others.map(|k| (&self.masses[k], &state.masses[k])).all(|(mass, place)| {
+        let all = self.each(state).enumerate();
+        let mut others = all.filter(|(k, _)| *k != usize::from(state.at_hand));
+        others.all(|(_, (mass, place))| {
             let speed = place.rate.value.abs() + kicked;
             let travel = time * (speed + shaken * time);
             let near = place.distance.value;
@@ -218,23 +268,27 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
 
     /// 1 for a structure alone, so that defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
-        let smallest = self.masses.iter().map(|mass| mass.clearance).reduce(R::min);
+        let smallest = self.masses().iter().map(|mass| mass.clearance).reduce(R::min);
         smallest.unwrap_or(R::ONE)
     }
 
-    fn clearance_at_hand(&self, state: &Self::State) -> R {
-        self.seen(state).map_or(R::ONE, |(mass, _)| mass.clearance)
+    fn clearance_of(&self, absorber: usize) -> R {
+        self.masses().get(absorber).map_or(R::ONE, |mass| mass.clearance)
+    }
+
+    fn offset_of(&self, absorber: usize) -> R {
+        self.masses().get(absorber).map_or(R::ZERO, |mass| mass.offset)
     }
 
     fn walls_reachable(&self) -> bool {
-        N > 0
+        self.count > 0
     }
 
     fn check_start(&self, start: &Starts<R, N>) -> Result<(), Invalid> {
         range::size("start.displacement", start.primary.x)?;
         range::size("start.velocity", start.primary.v)?;
-        for (k, (mass, GapPoint { y, w })) in self.masses.iter().zip(start.gaps).enumerate() {
-            let field = |name: &str| format!("start.absorber.{}.{name}", k + 1);
+        for (k, (mass, GapPoint { y, w })) in self.masses().iter().zip(start.gaps).enumerate() {
+            let field = |name: &str| format!("start.{k}.{name}");
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
             check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
@@ -248,6 +302,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         let host = self.host.state(self.host.begin_at(time), primary);
         let leaning = [-host.acceleration.value, v];
         let masses = std::array::from_fn(|k| {
+            if k >= self.count {
+                return InGap::UNUSED;
+            }
             let GapPoint { y, w } = start.gaps[k];
             let leaning = leaning.into_iter().chain(self.host.leaning(&host.phase));
             let (side, distance) = self.masses[k].begun([y, w], leaning);
@@ -302,7 +359,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         let host = HostState { primary, acceleration, phase: structure.later(&phase, later) };
         let masses = std::array::from_fn(|k| {
             let (mass, place) = (&self.masses[k], &state.masses[k]);
-            if place.stuck {
+            if place.stuck || k >= self.count {
                 return *place;
             }
             let after = if k == at_hand { met } else { *place }.moved(later, gained);
@@ -338,7 +395,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         let primary = Primary { x: self.host.balanced(&phase, v), v };
         let mut after = *state;
         after.host = HostState { primary, acceleration: DoubleDouble::ZERO, phase };
-        for mass in &mut after.masses {
+        for mass in &mut after.masses[..self.count] {
             // Masses in flight keep their velocity while the structure loses that of its base.
             let freed = InGap { stuck: false, ..*mass };
             *mass = if mass.stuck { freed } else { mass.moved(later, R::ZERO) };

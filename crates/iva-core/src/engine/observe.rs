@@ -2,7 +2,7 @@
 
 use crate::absorber::impact::Impact;
 use crate::absorber::{Absorber, Clock, OnStructure, Point, Wall};
-use crate::engine::simulate::{Instant, Tally};
+use crate::engine::simulate::{Instant, OfAbsorber, Tally};
 use crate::number::real::Real;
 use crate::segment::flight::Motion;
 
@@ -141,6 +141,8 @@ pub trait Observer<S: Absorber> {
     fn is_done(&self) -> bool {
         false
     }
+    /// What the run has come to for each of several absorbers, notified before its end.
+    fn absorbers(&mut self, _each: &[OfAbsorber<S::Real>]) {}
     /// The run has ended.
     fn end(&mut self, _system: &S, _tally: &Tally<S::State, S::Real>) {}
 }
@@ -192,6 +194,9 @@ macro_rules! pointed_to {
             }
             fn is_done(&self) -> bool {
                 (**self).is_done()
+            }
+            fn absorbers(&mut self, each: &[OfAbsorber<R>]) {
+                (**self).absorbers(each);
             }
             fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
                 (**self).end(system, tally);
@@ -260,6 +265,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     fn is_done(&self) -> bool {
         self.as_ref().is_some_and(|observer| observer.is_done())
     }
+    fn absorbers(&mut self, each: &[OfAbsorber<R>]) {
+        if let Some(observer) = self {
+            observer.absorbers(each);
+        }
+    }
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         if let Some(observer) = self {
             observer.end(system, tally);
@@ -316,6 +326,10 @@ impl<R: Real, S: Absorber<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S>
     fn is_done(&self) -> bool {
         self.0.is_done() || self.1.is_done()
     }
+    fn absorbers(&mut self, each: &[OfAbsorber<R>]) {
+        self.0.absorbers(each);
+        self.1.absorbers(each);
+    }
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         self.0.end(system, tally);
         self.1.end(system, tally);
@@ -327,7 +341,7 @@ impl<R: Real, S: Absorber<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S>
 pub struct Events<R = f64> {
     /// Listed impacts in order of time.
     pub impacts: Vec<Impact<R>>,
-    /// Stick episodes in order of time.
+    /// Stick episodes in order of their ends.
     pub episodes: Vec<StickEpisode<R>>,
 }
 

@@ -16,8 +16,8 @@ use crate::segment::flight::Side;
 use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
 
 pub use crate::engine::limits::{Limits, Outcome};
-pub use crate::engine::tally::{Instant, Tally};
-use together::Waiting;
+pub use crate::engine::tally::{Instant, OfAbsorber, Tally};
+use together::{Own, Waiting};
 use wall::presses;
 
 mod coast;
@@ -111,6 +111,8 @@ pub(crate) struct Run<'a, S: Absorber, O> {
     waiting: Vec<Waiting<S::Real>>,
     /// Number of listed impacts of all absorbers but the one at hand.
     others: f64,
+    /// The sums of all absorbers when the one at hand was taken at hand.
+    since: Own<S::Real>,
 }
 
 /// Number of segments between two checks of the cancel flag.
@@ -172,6 +174,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             short: false,
             waiting: Waiting::all(system.absorbers()),
             others: 0.0,
+            since: Own::default(),
         }
     }
 
@@ -416,6 +419,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             self.end_all();
         }
         self.end_episode(false);
+        if self.system.absorbers() > 1 {
+            self.tell_each();
+        }
         let Progress { clock, counts, .. } = self.progress;
         (self.tally.end_time, self.tally.clock) = (clock.value, clock);
         let Counts { impacts, effective, work, approach_speeds, losses, .. } = counts;

@@ -34,7 +34,41 @@ pub struct Tally<State, R = f64> {
     pub clock: Clock<R>,
 }
 
+/// What a run has come to for one of several absorbers, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfAbsorber<R = f64> {
+    /// Number of its listed impacts.
+    pub impacts: u64,
+    /// Number of its listed impacts at which the masses moved towards each other.
+    pub effective_impacts: u64,
+    /// Number of its stick episodes.
+    pub episodes: u64,
+    /// Largest approach speed on wall + and on wall −; 0 without any.
+    pub approach_speeds: [R; 2],
+    /// Total time stuck on a wall, in 1/ωn.
+    pub time_stuck: R,
+    /// Energy lost in all its impacts, listed or summed.
+    pub energy_impacts: R,
+    /// Its largest impulse over the mass of the structure, in ωn × length.
+    pub impulse: R,
+}
+
 impl<State: Copy, R: Real> Tally<State, R> {
+    /// That of the absorber of a run that has one, with its largest impulse.
+    pub fn of_absorber(&self, impulse: R) -> OfAbsorber<R> {
+        let Self { impacts, effective_impacts, episodes, approach_speeds, .. } = *self;
+        let Self { time_stuck, energy_impacts, .. } = *self;
+        OfAbsorber {
+            impacts,
+            effective_impacts,
+            episodes,
+            approach_speeds,
+            time_stuck,
+            energy_impacts,
+            impulse,
+        }
+    }
+
     /// The same counts and sums without the last state, for runs of any kind of scene side by side.
     pub fn without_state(&self) -> Tally<(), R> {
         let Self { outcome, impacts, effective_impacts, episodes, undecided, .. } = *self;

@@ -11,7 +11,7 @@ use crate::number::real::Real;
 use crate::segment::flight::{Motion, Travel};
 use crate::segment::polynomial::{largest, range};
 
-/// The extremes of a run, in natural units; `None` where the run does not define one.
+/// The extremes of a run, those of the gap for one absorber, in natural units; `None` where the run does not define one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExtremeValues<R = f64> {
     /// Largest |y|.
@@ -28,69 +28,29 @@ pub struct ExtremeValues<R = f64> {
 #[derive(Debug, Clone)]
 pub struct Extremes<R = f64> {
     from: R,
+    /// What each absorber reaches; one without absorber.
+    reaches: Vec<Reach<R>>,
+    acceleration: R,
+    /// False once a motion had no known series.
+    known: bool,
+    values: Vec<ExtremeValues<R>>,
+}
+
+/// What one absorber reaches.
+#[derive(Debug, Clone)]
+struct Reach<R> {
     /// Gap displacement y at wall − and wall +.
     walls: [R; 2],
     /// Least and largest y.
     gap: Option<[R; 2]>,
     absorber: R,
-    acceleration: R,
-    /// False once a motion had no known series.
-    known: bool,
-    values: ExtremeValues<R>,
 }
 
-impl<R: Real> Extremes<R> {
-    /// Starts to look at an instant, in 1/ωn.
-    pub fn new(from: R) -> Self {
-        Self {
-            from,
-            walls: [R::ZERO; 2],
-            gap: None,
-            absorber: R::ZERO,
-            acceleration: R::ZERO,
-            known: true,
-            values: ExtremeValues::default(),
-        }
-    }
-
-    /// The extremes; complete once the run has ended.
-    pub fn values(&self) -> &ExtremeValues<R> {
-        &self.values
-    }
-
-    /// True if a span of length h surely raises no extreme: a displacement leaves its chord by at most h²/8 times its
-    /// largest acceleration.
-    fn covers<S: Absorber<Real = R>, M>(&self, system: &S, span: &Span<'_, M>) -> bool
-    where
-        M: Motion<Real = R, State = S::State>,
-    {
-        let (Some(most), Some([least, largest])) =
-            (span.motion.accelerations(span.length), self.gap)
-        else {
-            return false;
-        };
-        let [low, high] = self.walls;
-        let bent = span.length * span.length * 0.125;
-        let ends = [span.motion.origin(), span.end].map(|state| {
-            let s = system.wall(state).sign();
-            let y = (high - system.clearance())
-                + (system.clearance() - system.distance(state).value) * s;
-            (y, (system.primary(state).x + system.lever() * y).abs())
-        });
-        let [(from, p), (to, q)] = ends;
-        let reach = bent * most.gap;
-        (most.structure < self.acceleration)
-            & (p.max(q) + bent * most.absorber < self.absorber)
-            & (least <= (from.min(to) - reach).max(low))
-            & (largest >= (from.max(to) + reach).min(high))
-    }
-
-    fn take(&mut self, travel: &Travel<R>, h: [R; 2]) {
+impl<R: Real> Reach<R> {
+    fn take(&mut self, travel: &Travel<R>, t: [R; 2]) {
         let Travel { rows, gap, absorber } = travel;
-        let t = h.map(|h| h / rows.step);
         let terms = ..=rows.order;
         self.absorber = largest(&absorber[terms], t, self.absorber);
-        self.acceleration = largest(&rows.acceleration[terms], t, self.acceleration);
         let [low, high] = self.walls;
         if self.gap == Some(self.walls) {
             return;
@@ -101,10 +61,53 @@ impl<R: Real> Extremes<R> {
     }
 }
 
+impl<R: Real> Extremes<R> {
+    /// Starts to look at an instant, in 1/ωn.
+    pub fn new(from: R) -> Self {
+        let (reaches, values) = (Vec::new(), Vec::new());
+        Self { from, reaches, acceleration: R::ZERO, known: true, values }
+    }
+
+    /// The extremes for each absorber, for one without absorber; complete once the run has ended.
+    pub fn values(&self) -> &[ExtremeValues<R>] {
+        &self.values
+    }
+
+    /// True if a span of length h surely raises no extreme: a displacement leaves its chord by at most h²/8 times its
+    /// largest acceleration.
+    fn covers<S: Absorber<Real = R>, M>(&self, system: &S, span: &Span<'_, M>) -> bool
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        let [Reach { walls: [low, high], gap: Some([least, largest]), absorber }] =
+            self.reaches[..]
+        else {
+            return false;
+        };
+        let Some(most) = span.motion.accelerations(span.length) else { return false };
+        let bent = span.length * span.length * 0.125;
+        let ends = [span.motion.origin(), span.end].map(|state| {
+            let s = system.wall(state).sign();
+            let y = (high - system.clearance())
+                + (system.clearance() - system.distance(state).value) * s;
+            (y, (system.primary(state).x + system.lever() * y).abs())
+        });
+        let [(from, p), (to, q)] = ends;
+        let reach = bent * most.gap;
+        (most.structure < self.acceleration)
+            & (p.max(q) + bent * most.absorber < absorber)
+            & (least <= (from.min(to) - reach).max(low))
+            & (largest >= (from.max(to) + reach).min(high))
+    }
+}
+
 impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
-        let (middle, d) = (system.offset(), system.clearance());
-        *self = Self { walls: [middle - d, middle + d], ..Self::new(self.from) };
+        let reaches = (0..system.absorbers().max(1)).map(|absorber| {
+            let (middle, d) = (system.offset_of(absorber), system.clearance_of(absorber));
+            Reach { walls: [middle - d, middle + d], gap: None, absorber: R::ZERO }
+        });
+        *self = Self { reaches: reaches.collect(), ..Self::new(self.from) };
     }
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
@@ -112,9 +115,18 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
         if begin > span.length || (begin == 0.0 && self.covers(system, span)) {
             return;
         }
-        match span.motion.travel() {
-            Some(travel) => self.take(&travel, [begin, span.length]),
-            None => self.known = false,
+        for (absorber, reach) in self.reaches.iter_mut().enumerate() {
+            let Some(travel) = span.motion.travel_of(absorber) else {
+                self.known = false;
+                return;
+            };
+            let t = [begin, span.length].map(|h| h / travel.rows.step);
+            if absorber == 0 {
+                let rows = &travel.rows;
+                let accelerations = &rows.acceleration[..=rows.order];
+                self.acceleration = largest(accelerations, t, self.acceleration);
+            }
+            reach.take(&travel, t);
         }
     }
 
@@ -136,11 +148,12 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
 
     /// At an impact y is set to the position of the wall, free of rounding errors.
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
-        if impact.time >= self.from {
-            let [low, high] = self.walls;
+        let absorber = usize::from(impact.absorber);
+        if let Some(reach) = self.reaches.get_mut(absorber).filter(|_| impact.time >= self.from) {
+            let [low, high] = reach.walls;
             let y = if impact.wall == Wall::Plus { high } else { low };
-            let [least, most] = self.gap.unwrap_or([y; 2]);
-            self.gap = Some([least.min(y), most.max(y)]);
+            let [least, most] = reach.gap.unwrap_or([y; 2]);
+            reach.gap = Some([least.min(y), most.max(y)]);
         }
     }
 
@@ -148,12 +161,15 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
         if !self.known || tally.outcome != Outcome::Finished {
             return;
         }
-        let Some([least, most]) = self.gap else { return };
-        self.values = ExtremeValues {
-            gap_displacement: Some(most.max(-least)),
-            stroke: Some(most - least),
-            absorber_displacement: Some(self.absorber),
-            acceleration: Some(self.acceleration),
+        let of = |reach: &Reach<R>| {
+            let [least, most] = reach.gap?;
+            Some(ExtremeValues {
+                gap_displacement: Some(most.max(-least)),
+                stroke: Some(most - least),
+                absorber_displacement: Some(reach.absorber),
+                acceleration: Some(self.acceleration),
+            })
         };
+        self.values = self.reaches.iter().filter_map(of).collect();
     }
 }

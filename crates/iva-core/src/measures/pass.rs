@@ -40,7 +40,7 @@ impl<R: Real> Passes<R> {
         self.passes.is_empty()
     }
 
-    /// The measures, in the order of the passes; `None` where the run does not define them.
+    /// The measures, in the order of the passes; `None` where the run does not define them, and with several absorbers.
     pub fn values(&self) -> impl Iterator<Item = Option<R>> {
         self.passes.iter().map(|pass| self.known.then(|| pass.value()))
     }
@@ -49,7 +49,8 @@ impl<R: Real> Passes<R> {
 impl<R: Real, S: Absorber<Real = R>> Observer<S> for Passes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
         let (middle, d) = (system.offset(), system.clearance());
-        self.known = true;
+        // What a pass measures is of one gap.
+        self.known = system.absorbers() <= 1;
         self.passes.iter_mut().for_each(|pass| pass.begin([middle - d, middle + d]));
     }
 

@@ -21,6 +21,8 @@
 //! the largest change of the instant that the curvature allows. Once the error reaches 1/ωn the run has
 //! forgotten its start, and nothing is estimated from there on.
 //!
+//! Those of several free masses are in `propagation/together.rs`.
+//!
 //! [`Differentiable`] is what a system tells about its derivatives, [`Errors`] the estimate.
 
 pub use crate::absorber::derivatives::{Differentiable, free_mass_impact, free_mass_stick};
@@ -30,3 +32,4 @@ pub(crate) use tangent::saltation;
 
 mod errors;
 mod tangent;
+mod together;

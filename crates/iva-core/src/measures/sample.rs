@@ -14,6 +14,8 @@ use crate::segment::flight::{Motion, Seen};
 pub struct State<R = f64> {
     /// Instant, in 1/ωn.
     pub time: R,
+    /// The index of the absorber: of several there is a state of each at every instant.
+    pub absorber: u8,
     /// Displacement of the primary.
     pub displacement: R,
     /// Velocity of the primary.
@@ -89,22 +91,29 @@ impl<R: Real> Sampler<R> {
         h: R,
     ) {
         let Seen { state, primary, gap, acceleration } = motion.seen(h);
-        let beside = match motion.wall() {
-            Some(_) => R::ZERO,
-            None => system.lever() * gap_acceleration(system, &state),
-        };
-        self.states.push(State {
-            time,
-            displacement: primary.x,
-            velocity: primary.v,
-            gap_displacement: gap.y,
-            gap_velocity: gap.w,
-            wall: motion.wall().map_or(0, |wall| wall.number()),
-            acceleration,
-            absorber_acceleration: acceleration + beside,
-            energy: system.energy(&state),
-            angle: system.angle(&state),
-        });
+        let energy = system.energy(&state);
+        for absorber in 0..motion.absorbers().max(1) {
+            let single = motion.absorbers() <= 1;
+            let gap = if single { gap } else { motion.gap_of(absorber, h) };
+            let (wall, state) = (motion.wall_of(absorber), system.turned_to(&state, absorber));
+            let beside = match wall {
+                Some(_) => R::ZERO,
+                None => system.lever() * gap_acceleration(system, &state),
+            };
+            self.states.push(State {
+                time,
+                absorber: absorber as u8,
+                displacement: primary.x,
+                velocity: primary.v,
+                gap_displacement: gap.y,
+                gap_velocity: gap.w,
+                wall: wall.map_or(0, |wall| wall.number()),
+                acceleration,
+                absorber_acceleration: acceleration + beside,
+                energy,
+                angle: system.angle(&state),
+            });
+        }
         self.next += 1;
     }
 }
@@ -137,7 +146,9 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
 
     /// The second row of an impact that sticks at once is a state on the wall.
     fn stick(&mut self, system: &S, Instant { state: after, .. }: &Instant<S::State, R>) {
-        let row = self.states.last_mut().filter(|row| self.landed && row.gap_velocity == 0.0);
+        let absorber = system.at_hand(after) as u8;
+        let landed = |row: &&mut State<R>| row.absorber == absorber && row.gap_velocity == 0.0;
+        let row = self.states.last_mut().filter(|row| self.landed && landed(row));
         if let Some(row) = row {
             let ride = system.ride(after);
             row.wall = system.wall(after).number();
@@ -178,11 +189,14 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
         }
         let angles = system.impact_angles(impact);
         let [[acceleration, absorber_acceleration], after] = self.jumped;
+        let absorber = usize::from(impact.absorber);
+        let (middle, d) = (system.offset_of(absorber), system.clearance_of(absorber));
         let before = State {
             time: impact.time,
+            absorber: impact.absorber,
             displacement: impact.displacement,
             velocity: impact.velocity_before,
-            gap_displacement: system.offset() + system.clearance() * impact.wall.sign(),
+            gap_displacement: middle + d * impact.wall.sign(),
             gap_velocity: impact.gap_velocity_before,
             wall: 0,
             acceleration,

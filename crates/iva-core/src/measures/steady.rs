@@ -98,6 +98,8 @@ pub struct Steady<R = f64> {
     duration: R,
     values: SteadyValues<R>,
     strobes: VecDeque<Strobe<R>>,
+    /// Number of strobes at each instant, one for each absorber.
+    absorbers: usize,
     /// Index of the next strobe to keep.
     next: u64,
     /// Instant of the next strobe to keep.
@@ -308,7 +310,8 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Steady<R> {
                 R::from(self.impacts as f64) / cycles
             }),
             regime: cycle.filter(|_| wanted.regime).and_then(|harmonic| {
-                regime(&self.strobes, self.impacts, self.largest, harmonic.frequency)
+                let (impacts, absorbers) = (self.impacts, self.absorbers);
+                regime(&self.strobes, absorbers, impacts, self.largest, harmonic.frequency)
             }),
         };
     }

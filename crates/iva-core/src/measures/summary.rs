@@ -8,7 +8,7 @@ use crate::absorber::impact::Impact;
 use crate::absorber::plain::State;
 use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::{Contact, Each, Observer, Span, StickEpisode};
-use crate::engine::simulate::{Instant, Tally};
+use crate::engine::simulate::{Instant, OfAbsorber, Tally};
 use crate::measures::forced::Forced;
 use crate::measures::peaks::Peak;
 use crate::measures::steady::{Steady, SteadyValues, SteadyWanted, Window};
@@ -25,6 +25,8 @@ pub struct Summary<S: Absorber, O = ()> {
     asked: SteadyWanted,
     /// The log of a driven run; `None`: its measures are taken stretch by stretch.
     pub(crate) forced: Option<Box<Forced>>,
+    /// What the run has come to for each of several absorbers.
+    pub(crate) absorbers: Vec<OfAbsorber<S::Real>>,
     /// The observer beside it.
     pub(crate) beside: O,
 }
@@ -46,7 +48,7 @@ impl<R: Real, S: Absorber<Real = R>, O> Summary<S, O> {
         let asked = steady.map(|(wanted, _)| wanted).unwrap_or_default();
         let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
         let measures = Measures::new(wanted);
-        Self { measures, steady, asked, forced: None, beside }
+        Self { measures, steady, asked, forced: None, absorbers: Vec::new(), beside }
     }
 
     /// The observer of the next run, in its memory.
@@ -69,6 +71,11 @@ impl<R: Real, S: Absorber<Real = R>, O> Summary<S, O> {
     /// All peaks of x, if they were wanted; complete once the run has ended.
     pub fn envelope(&self) -> &[Peak<R>] {
         self.measures.envelope()
+    }
+
+    /// What the run has come to for each of several absorbers; empty with fewer.
+    pub fn absorbers(&self) -> &[OfAbsorber<R>] {
+        &self.absorbers
     }
 
     /// The steady state, if it was asked for; complete once the run has ended.
@@ -198,6 +205,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Summary<S, 
             Some(forced) => forced.unlist(floor.double()),
             None => Observer::<S>::unlist(&mut self.steady, absorber, first, floor),
         }
+    }
+
+    fn absorbers(&mut self, each: &[OfAbsorber<R>]) {
+        self.absorbers = each.to_vec();
+        self.beside.absorbers(each);
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {

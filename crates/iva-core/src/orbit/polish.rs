@@ -164,6 +164,7 @@ fn episode<R: Real>(given: &StickEpisode<R>) -> StickEpisode {
 /// A state in doubles.
 fn state<R: Real>(given: &State<R>) -> State {
     State {
+        absorber: 0,
         time: given.time.into(),
         displacement: given.displacement.into(),
         velocity: given.velocity.into(),

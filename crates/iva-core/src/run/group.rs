@@ -112,9 +112,10 @@ impl<'a, S: SideBySide> Group<'a, S> {
         let ((events, errors), (extremes, passes)) = std::mem::take(&mut summary.beside);
         let envelope = summary.measures.take_envelope();
         let strobes = summary.steady().and_then(Steady::all_strobes);
-        let extremes = extremes.map(|it| *it.values());
+        let extremes = extremes.map(|it| it.values().to_vec()).unwrap_or_default();
+        let absorbers = std::mem::take(&mut summary.absorbers);
         let passes = passes.values().collect();
-        let listed = Listed { events, errors, envelope, strobes, extremes, passes };
+        let listed = Listed { events, errors, envelope, strobes, extremes, passes, absorbers };
         (self.take)(index, &(tally, *summary.values(), steady), listed);
     }
 

@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::absorber::OnStructure;
 use crate::engine::observe::Events;
-use crate::engine::simulate::{Limits, Run, Tally};
+use crate::engine::simulate::{Limits, OfAbsorber, Run, Tally};
 use crate::error::Invalid;
 use crate::measures::extremes::{ExtremeValues, Extremes};
 use crate::measures::pass::{Pass, Passes};
@@ -170,10 +170,12 @@ pub struct Listed {
     pub envelope: Option<Vec<Peak>>,
     /// All strobes of its steady state, if those were wanted.
     pub strobes: Option<Vec<Strobe>>,
-    /// Its extremes.
-    pub extremes: Option<ExtremeValues>,
+    /// Its extremes for each absorber; none where they were not wanted, or the run does not define them.
+    pub extremes: Vec<ExtremeValues>,
     /// The values of the passes; `None` where the run does not define them.
     pub passes: Vec<Option<f64>>,
+    /// What it has come to for each of several absorbers.
+    pub absorbers: Vec<OfAbsorber>,
 }
 
 /// The receiver of results: the index of a job, and its result.

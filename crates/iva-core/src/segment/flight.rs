@@ -348,6 +348,21 @@ pub trait Motion {
     }
     /// The wall that the absorber is stuck on; `None` in flight.
     fn wall(&self) -> Option<Wall>;
+    /// How many absorbers move. What is said of the absorber above and below is that of the one at hand.
+    #[inline(always)]
+    fn absorbers(&self) -> usize {
+        1
+    }
+    /// [`Motion::gap`] of the absorber of this index.
+    #[inline(always)]
+    fn gap_of(&self, _absorber: usize, h: Self::Real) -> GapPoint<Self::Real> {
+        self.gap(h)
+    }
+    /// [`Motion::wall`] of the absorber of this index.
+    #[inline(always)]
+    fn wall_of(&self, _absorber: usize) -> Option<Wall> {
+        self.wall()
+    }
     /// Energy lost and work done from 0 to h.
     fn losses(&self, h: Self::Real) -> Losses<Self::Real>;
     /// ∫x² dh between two values of h; 0 where the absorber offers no power series.
@@ -395,6 +410,11 @@ pub trait Motion {
     /// none.
     fn travel(&self) -> Option<Travel<Self::Real>> {
         None
+    }
+    /// [`Motion::travel`] of the absorber of this index.
+    #[inline(always)]
+    fn travel_of(&self, _absorber: usize) -> Option<Travel<Self::Real>> {
+        self.travel()
     }
     /// Bounds on the accelerations of structure, gap and absorber in a motion of this length; `None` where none is known
     /// at once.

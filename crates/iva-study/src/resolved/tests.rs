@@ -132,22 +132,35 @@ fn sampling(kind: Kind) -> impl Strategy<Value = Sampling> {
     })
 }
 
-fn spec(choices: Choices) -> impl Strategy<Value = Spec> {
-    let fields = fields(choices.kind);
+fn spec(absorbers: Vec<Choices>) -> impl Strategy<Value = Spec> {
+    let fields = fields(absorbers[0].kind);
     prop::sample::subsequence(fields, 0..12)
         .prop_flat_map(|fields| {
             fields
                 .into_iter()
-                .map(|field| accepted(field).prop_map(move |value| (field, value)))
+                .map(|field| (accepted(field), 0..3_usize).prop_map(move |it| (field, it)))
                 .collect::<Vec<_>>()
         })
         .prop_map(move |fields| {
-            let mut spec = Spec::new(choices);
-            for (field, value) in fields {
-                spec.set(field, value).unwrap();
+            let mut spec = Spec::several(&absorbers).unwrap();
+            for (field, (value, number)) in fields {
+                let in_start = field.info().part == Part::Start;
+                let slot = spec.slot(field, number % spec.count());
+                // A list in [start] has a number for each absorber.
+                let slot = if in_start || !spec.has(slot) { field.into() } else { slot };
+                spec.set(slot, value).unwrap();
             }
             spec
         })
+}
+
+/// One absorber or none, or a list of up to three absorbers.
+fn absorbers() -> impl Strategy<Value = Vec<Choices>> {
+    let list = prop::collection::vec(choices(), 2..4);
+    let list = list.prop_filter("absorbers", |it| it.iter().all(|it| it.kind != Kind::None));
+    // What only a pendulum has in its start is no list of all.
+    let alike = |it: &Vec<Choices>| it.iter().all(|other| other.kind == it[0].kind);
+    prop_oneof![choices().prop_map(|one| vec![one]), list.prop_filter("alike", alike)]
 }
 
 fn study_file() -> impl Strategy<Value = StudyFile> {
@@ -157,7 +170,7 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
         .prop_map(|names| Selection::from_names(names).unwrap());
     let ranked: Vec<&str> = ranked().map(|column| column.name).collect();
     let report = (prop::sample::select(ranked), 1..1000_usize);
-    let model = choices().prop_flat_map(|choices| (spec(choices), sampling(choices.kind)));
+    let model = absorbers().prop_flat_map(|list| (spec(list.clone()), sampling(list[0].kind)));
     (model, tables, measures, report, 1..=1_000_000_u32, any::<bool>()).prop_map(
         |((spec, sampling), tables, measures, (best_by, count), samples_per_period, errors)| {
             let study = Study { spec, sampling, tables, measures, errors };

@@ -326,3 +326,75 @@ fn files_that_cannot_be_read_are_refused() {
     assert!(error.is_bad_input());
     assert!(error.to_string().contains("line 2 is not UTF-8"), "{error}");
 }
+
+const SEVERAL: &str = r#"version = 1
+[primary]
+damping_ratio = 0.01
+[[absorber]]
+kind = "siva"
+mass_ratio = 0.1
+restitution = 0.5
+relative_clearance = 0.6
+[[absorber]]
+kind = "siva"
+mass_ratio = 0.05
+restitution = 0.7
+gap = 0.9
+[start]
+displacement = 1.0
+gap_displacement = [0.1, -0.2]
+gap_velocity = 0.3
+[run]
+periods = 20
+"#;
+
+#[test]
+fn several_absorbers_have_their_own_numbers() {
+    let file = good(&format!("{SEVERAL}[sweep]\n\"absorber.1.gap\" = [0.8, 1.0]\n"));
+    let spec = file.study.spec(1).unwrap();
+    let of = |absorber, field| spec.get_of(absorber, field);
+    assert_eq!(spec.count(), 2);
+    assert_eq!([0, 1].map(|k| of(k, FieldId::MassRatio)), [Some(0.1), Some(0.05)]);
+    assert_eq!([0, 1].map(|k| of(k, FieldId::GapDisplacement)), [Some(0.1), Some(-0.2)]);
+    assert_eq!([0, 1].map(|k| of(k, FieldId::GapVelocity)), [Some(0.3); 2]);
+    assert_eq!([0, 1].map(|k| of(k, FieldId::Gap)), [None, Some(1.0)]);
+    let all = good(&format!("{SEVERAL}[sweep]\nclearance = [0.3, 0.4]\n"));
+    let spec = all.study.spec(1).unwrap();
+    assert_eq!([0, 1].map(|k| spec.get_of(k, FieldId::Clearance)), [Some(0.4); 2]);
+    assert_eq!(spec.get_of(1, FieldId::Gap), None);
+}
+
+#[test]
+fn faults_of_several_absorbers_name_theirs() {
+    let wrong = |from: &str, to: &str| {
+        let text = SEVERAL.replace(from, to);
+        assert_ne!(text, SEVERAL);
+        match parse(&text).and_then(|file| {
+            let never = std::sync::atomic::AtomicBool::new(false);
+            file.validate(&Workers::new(Some(1)).unwrap(), &never, &|_| ())
+        }) {
+            Err(error) => error.to_string(),
+            Ok(()) => panic!("it is valid\n{text}"),
+        }
+    };
+    for (from, to, told) in [
+        ("restitution = 0.7", "restitution = 1.7", "my.toml:13:1: absorber.1.restitution = 1.7"),
+        ("restitution = 0.7\n", "", "my.toml:10:1: absorber.1.restitution is missing"),
+        ("restitution = 0.7", "length = 0.7", "only a pendulum (kind \"piva\") has it"),
+        ("gap = 0.9", "gap = 0.3", "start.1.gap_displacement = -0.2: it must lie in the gap"),
+        ("[0.1, -0.2]", "[0.1]", "give a number, or a list of 2, one for each absorber"),
+        ("gap = 0.9", "gap = 0.9\ninclination_deg = 90", "absorber.1.inclination_deg = 90"),
+        ("[run]", "[sweep]\n\"absorber.2.gap\" = [1, 2]\n[run]", "2 absorbers, numbered from 0"),
+        (
+            "[run]",
+            "[sweep]\ngap = [1, 2]\n\"absorber.1.clearance\" = [1, 2]\n[run]",
+            "sets the same quantity",
+        ),
+        ("mass_ratio = 0.05", "mass = 0.05", "absorber.1.mass = 0.05: give primary.mass"),
+    ] {
+        let error = wrong(from, to);
+        assert!(error.contains(told), "{told}: {error}");
+    }
+    let one = GOOD.replace("displacement = 1.0", "displacement = 1.0\ngap_velocity = [0.1, 0.2]");
+    assert!(bad(&one).to_string().contains("there is one absorber, so give one number"));
+}

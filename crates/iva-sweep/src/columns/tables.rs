@@ -90,13 +90,13 @@ macro_rules! summary {
             "acceleration_max" Acceleration [Shaking Smaller] |run| run.acceleration(),
                 "largest absolute acceleration of the structure between impacts, under force after the discarded cycles (asked for by name)";
             "gap_displacement_max" Length [Travel Smaller] |run| run.extreme(|it| it.gap_displacement),
-                "largest |y|, under force after the discarded cycles (asked for by name)";
+                "largest |y|, of several absorbers the largest; under force after the discarded cycles (asked for by name)";
             "stroke" Length [Travel Smaller] |run| run.extreme(|it| it.stroke),
-                "largest minus least y, under force after the discarded cycles (asked for by name)";
+                "largest minus least y, of several absorbers the largest; under force after the discarded cycles (asked for by name)";
             "absorber_displacement_max" Length [Travel Smaller] |run| run.extreme(|it| it.absorber_displacement),
-                "largest displacement of the absorber's centre of mass, measured as x is, under force after the discarded cycles (asked for by name)";
+                "largest displacement of an absorber's centre of mass, measured as x is, under force after the discarded cycles (asked for by name)";
             "time_near_wall" Time [Named Smaller] => NearWall,
-                "time within 1 % of the clearance of a wall, under force after the discarded cycles (asked for by name)";
+                "time within 1 % of the clearance of a wall, null with several absorbers; under force after the discarded cycles (asked for by name)";
         }
     };
 }
@@ -139,6 +139,8 @@ macro_rules! impacts {
                 "an error of that size could turn the impact into a grazing (errors asked for)";
             "peak_force_estimate" Force |row| row.peak_force.map(|force| row.scale.force(force)),
                 "largest force as a half sine of the contact time given; null without one";
+            "absorber" Count |row| usize::from(row.impact.absorber),
+                "number of the absorber, from 0";
         }
     };
 }
@@ -162,6 +164,8 @@ macro_rules! episodes {
                 "listed impacts of the episode";
             "energy_loss" Energy |row| row.episode.energy_loss,
                 "energy lost in all its impacts, listed or summed";
+            "absorber" Count |row| usize::from(row.episode.absorber),
+                "number of the absorber, from 0";
         }
     };
 }
@@ -204,6 +208,40 @@ macro_rules! stroboscope {
                 "largest |x| since the instant before (first row: since the window began)";
             "impacts" Count |row| row.impacts(),
                 "listed impacts since the instant before (first row: since the window began)";
+            "absorber" Count |row| row.absorber(),
+                "number of the absorber, from 0: of several each has a row; null without absorber";
+        }
+    };
+}
+
+/// Columns of `absorbers` after `point`: one row per absorber.
+macro_rules! absorbers {
+    ($build:ident) => {
+        $build! {
+            "absorber" Count |row| row.absorber,
+                "number of the absorber, from 0";
+            "impacts" Count |row| row.of.impacts,
+                "its listed impacts";
+            "effective_impacts" Count |row| row.of.effective_impacts,
+                "its listed impacts at which the masses moved towards each other";
+            "episodes" Count |row| row.of.episodes,
+                "its chatters that ended in stick, plastic sticks, starts at rest on a pressed wall";
+            "time_stuck" Time |row| row.of.time_stuck,
+                "its total time on a wall";
+            "energy_impacts" Energy |row| row.of.energy_impacts,
+                "energy lost in its impacts";
+            "approach_speed_max" Velocity |row| row.approach_speed(),
+                "largest approach speed of its impacts, 0 without any";
+            "impulse_max" Impulse |row| row.scale.impulse(row.of.impulse),
+                "its largest impulse on the structure, 0 without any";
+            "peak_force_estimate" Force |row| row.peak_force(),
+                "its largest force as a half sine of the contact time given; null without one";
+            "gap_displacement_max" Length |row| row.extremes.and_then(|it| it.gap_displacement),
+                "largest |y|; null unless the summary was asked for it by name";
+            "stroke" Length |row| row.extremes.and_then(|it| it.stroke),
+                "largest minus least y; null unless the summary was asked for it by name";
+            "absorber_displacement_max" Length |row| row.extremes.and_then(|it| it.absorber_displacement),
+                "largest displacement of its centre of mass, measured as x is; null unless the summary was asked for it by name";
         }
     };
 }
@@ -232,8 +270,10 @@ macro_rules! trajectory {
                 "absolute acceleration of the primary system, that of the base included; impacts apart";
             "absorber_acceleration" Acceleration |row| row.absorber_acceleration(),
                 "the same of the absorber's centre of mass, along the motion; null without absorber";
+            "absorber" Count |row| row.absorber(),
+                "number of the absorber, from 0: of several each has a row at every instant; null without absorber";
         }
     };
 }
 
-pub(crate) use {envelope, episodes, impacts, stroboscope, summary, trajectory};
+pub(crate) use {absorbers, envelope, episodes, impacts, stroboscope, summary, trajectory};

@@ -97,7 +97,7 @@ impl Family {
         let cycle = Cycle { begin, length: f64::from(periods) * period };
         let like = scene.absorber().is_some_and(|it| it.restitution == it.restitution_minus);
         let level = scene.gravity_along().is_none_or(|along| along == 0.0);
-        let mirrors = like && level && scene.gap_offset() == 0.0;
+        let mirrors = like && level && scene.gap_offset(0) == 0.0;
         let has_angle = scene.has_angle();
         let member = match scene {
             Scene::DrivenSiva(Mounted { system, start, .. }) => {

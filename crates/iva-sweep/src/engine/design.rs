@@ -11,6 +11,7 @@ use super::given::Given;
 use super::pendulum::{self, Common};
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
+use super::several;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
@@ -25,7 +26,7 @@ use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
 use iva_core::steady::{self, Bare, Window};
 
-pub use crate::spec::Spec;
+pub use crate::spec::{MOST_ABSORBERS, Spec};
 
 /// A design point ready to run, in natural units, with the scale to the user's units.
 #[derive(Debug, Clone)]
@@ -36,9 +37,9 @@ pub struct Design<R: Real = f64> {
     pub limits: Limits<R>,
     /// The instant at which the run begins, in 1/ωn.
     pub begin: R,
-    /// Largest force over the primary mass in an impact, per velocity that the structure gains; `None` if
-    /// neither contact time nor contact stiffness is given.
-    pub contact_rate: Option<R>,
+    /// For each absorber the largest force over the primary mass in an impact, per velocity that the structure gains;
+    /// `None` if neither contact time nor contact stiffness is given.
+    pub contact_rates: [Option<R>; MOST_ABSORBERS],
     /// The window of the steady state.
     pub window: Window<R>,
     /// Factors from natural units to the user's.
@@ -94,9 +95,11 @@ impl<R: Real> Given<'_, R> {
         }
         let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
-        let contact_rate = self.contact_rate(&scene, &scale, units)?;
-        // Without absorber there are no impacts, so any chatter floor will do.
-        let clearance = scene.absorber().map_or(R::ONE, |absorber| absorber.clearance);
+        let mut contact_rates = [None; MOST_ABSORBERS];
+        for (k, rate) in contact_rates.iter_mut().enumerate().take(self.spec.count()) {
+            *rate = self.of(k).contact_rate(&scene, &scale, units)?;
+        }
+        let clearance = scene.clearance();
         let limits = Limits {
             duration,
             max_impacts: self
@@ -111,21 +114,21 @@ impl<R: Real> Given<'_, R> {
         limits.check()?;
         let tolerance = self.get(FieldId::Tolerance).unwrap_or(R::ZERO);
         let tier = if tolerance > 0.0 { Tier::Fast } else { Tier::Exact };
-        Ok(Design { scene, limits, begin, contact_rate, window, scale, units, tier })
+        Ok(Design { scene, limits, begin, contact_rates, window, scale, units, tier })
     }
 
     /// The parameters that all absorbers have, with that of their primary, in natural units.
     pub(crate) fn common(&self, scale: &Scale<R>, units: UnitSystem) -> Result<Common<R>, Invalid> {
         let damping_ratio = self.damping_ratio(scale, units)?;
         let clearance = self.clearance(self.displacement(units)?, units)?;
-        let restitution = self
-            .get(FieldId::Restitution)
-            .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
+        let restitution = self.get(FieldId::Restitution).ok_or_else(|| {
+            Invalid::missing(self.path(FieldId::Restitution), "give a number from 0 to 1")
+        })?;
         let mass_ratio = self.mass_ratio(scale, units)?;
         Ok(Common { mass_ratio, restitution, clearance, damping_ratio })
     }
 
-    fn displacement(&self, units: UnitSystem) -> Result<R, Invalid> {
+    pub(super) fn displacement(&self, units: UnitSystem) -> Result<R, Invalid> {
         Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
@@ -143,13 +146,13 @@ impl<R: Real> Given<'_, R> {
         if let Some(time) = self.get(FieldId::ContactTime) {
             return Ok(Some(half_pi / (time * omega)));
         }
-        match (self.get(FieldId::ContactStiffness), scene.absorber()) {
+        match (self.get(FieldId::ContactStiffness), scene.absorber_of(self.absorber)) {
             (Some(stiffness), Some(absorber)) if units == UnitSystem::Si => {
                 let share = absorber.mass_ratio / (R::ONE + absorber.mass_ratio);
                 Ok(Some((stiffness / (scale.mass * share)).sqrt() * 0.5 / omega))
             }
             (Some(stiffness), Some(_)) => {
-                Err(needs_mass(FieldId::ContactStiffness, stiffness, "or give contact_time"))
+                Err(self.needs_mass(FieldId::ContactStiffness, stiffness, "or give contact_time"))
             }
             _ => Ok(None),
         }
@@ -162,6 +165,9 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
+        if self.spec.count() > 1 {
+            return several::scene(self, start, force, scale, units);
+        }
         match self.spec.choices().kind {
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } =
@@ -251,14 +257,14 @@ impl<R: Real> Given<'_, R> {
         Ok((Scale { natural_frequency, mass: mass.unwrap_or(R::ONE) }, units))
     }
 
-    fn damping_ratio(&self, scale: &Scale<R>, units: UnitSystem) -> Result<R, Invalid> {
+    pub(super) fn damping_ratio(&self, scale: &Scale<R>, units: UnitSystem) -> Result<R, Invalid> {
         self.at_most_one(&[FieldId::DampingRatio, FieldId::Damping])?;
         match self.get(FieldId::Damping) {
             Some(c) if units == UnitSystem::Si => {
                 let ratio = c / (scale.mass * 2.0 * scale.natural_frequency);
-                derived(FieldId::Damping, c, FieldId::DampingRatio, ratio)
+                self.derived(FieldId::Damping, c, FieldId::DampingRatio, ratio)
             }
-            Some(c) => Err(needs_mass(FieldId::Damping, c, "or give damping_ratio")),
+            Some(c) => Err(self.needs_mass(FieldId::Damping, c, "or give damping_ratio")),
             None => Ok(self.get(FieldId::DampingRatio).unwrap_or(R::ZERO)),
         }
     }
@@ -268,11 +274,11 @@ impl<R: Real> Given<'_, R> {
         match (self.get(FieldId::MassRatio), self.get(FieldId::AbsorberMass)) {
             (Some(ratio), _) => Ok(ratio),
             (None, Some(m)) if units == UnitSystem::Si => {
-                derived(FieldId::AbsorberMass, m, FieldId::MassRatio, m / scale.mass)
+                self.derived(FieldId::AbsorberMass, m, FieldId::MassRatio, m / scale.mass)
             }
-            (None, Some(m)) => Err(needs_mass(FieldId::AbsorberMass, m, "or give mass_ratio")),
+            (None, Some(m)) => Err(self.needs_mass(FieldId::AbsorberMass, m, "or give mass_ratio")),
             (None, None) => Err(Invalid::missing(
-                "absorber.mass_ratio",
+                self.path(FieldId::MassRatio),
                 "give mass_ratio, or mass with a primary mass",
             )),
         }
@@ -291,7 +297,7 @@ impl<R: Real> Given<'_, R> {
             let displacement = self.get(FieldId::Reference).unwrap_or(displacement);
             if displacement == 0.0 {
                 return Err(Invalid::new(
-                    FieldId::RelativeClearance.path(),
+                    self.path(FieldId::RelativeClearance),
                     number(relative),
                     "it is a multiple of |start.displacement|, which is 0; use clearance instead",
                 ));
@@ -302,7 +308,7 @@ impl<R: Real> Given<'_, R> {
         let gap = self.length(FieldId::Gap, FieldId::GapMm, units)?;
         clearance.or(gap.map(|total| total * 0.5)).ok_or_else(|| {
             Invalid::missing(
-                "absorber.clearance",
+                self.path(FieldId::Clearance),
                 "give clearance (half of the play), gap (all of it) or relative_clearance",
             )
         })
@@ -335,7 +341,25 @@ impl<R: Real> Given<'_, R> {
         Ok(Window { from, cycle: force.harmonics().first().copied() })
     }
 
-    fn length(
+    /// A ratio computed from a given field, if it is in its own range.
+    fn derived(&self, given: FieldId, value: R, ratio: FieldId, derived: R) -> Result<R, Invalid> {
+        if ratio.info().allowed.contains(derived) {
+            return Ok(derived);
+        }
+        let (name, words) = (ratio.info().name, ratio.info().allowed.words());
+        let rule = format!("it makes {name} {}; that must be {words}", number(derived));
+        Err(Invalid::new(self.path(given), number(value), rule))
+    }
+
+    fn needs_mass(&self, field: FieldId, value: R, alternative: &str) -> Invalid {
+        Invalid::new(
+            self.path(field),
+            number(value),
+            format!("give primary.mass with stiffness or natural_frequency as well, {alternative}"),
+        )
+    }
+
+    pub(super) fn length(
         &self,
         plain: FieldId,
         millimetres: FieldId,
@@ -344,7 +368,7 @@ impl<R: Real> Given<'_, R> {
         self.at_most_one(&[plain, millimetres])?;
         match self.get(millimetres) {
             Some(mm) if units != UnitSystem::Si => Err(Invalid::new(
-                millimetres.path(),
+                self.path(millimetres),
                 number(mm),
                 format!(
                     "millimetres need SI units (a primary mass with stiffness or frequency); else write {}",
@@ -364,22 +388,4 @@ fn cycle<R: Real>(field: FieldId, value: R, force: &Force<R>) -> Result<R, Inval
         Invalid::new(field.path(), number(value), rule)
     })?;
     Ok(R::TURN.value / harmonic.frequency)
-}
-
-/// A ratio computed from a given field, if it is in its own range.
-fn derived<R: Real>(given: FieldId, value: R, ratio: FieldId, derived: R) -> Result<R, Invalid> {
-    if ratio.info().allowed.contains(derived) {
-        return Ok(derived);
-    }
-    let (name, words) = (ratio.info().name, ratio.info().allowed.words());
-    let rule = format!("it makes {name} {}; that must be {words}", number(derived));
-    Err(Invalid::new(given.path(), number(value), rule))
-}
-
-fn needs_mass<R: Real>(field: FieldId, value: R, alternative: &str) -> Invalid {
-    Invalid::new(
-        field.path(),
-        number(value),
-        format!("give primary.mass with stiffness or natural_frequency as well, {alternative}"),
-    )
 }

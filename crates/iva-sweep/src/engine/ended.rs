@@ -6,7 +6,7 @@ use iva_core::extremes::ExtremeValues;
 use iva_core::measures::MeasureValues;
 use iva_core::real::Real;
 use iva_core::run::side_by_side::Tier;
-use iva_core::simulate::Tally;
+use iva_core::simulate::{OfAbsorber, Tally};
 use iva_core::steady::{Bare, SteadyValues};
 
 use super::design::Design;
@@ -24,8 +24,10 @@ pub(crate) struct Ended<R: Real = f64> {
     pub steady: Option<SteadyValues<R>>,
     /// The motion without absorber; `None` where it was not asked for.
     pub bare: Option<Bare<R>>,
-    /// Its extremes; `None` where they were not asked for.
-    pub extremes: Option<ExtremeValues<R>>,
+    /// Its extremes for each absorber; none where they were not asked for.
+    pub extremes: Vec<ExtremeValues<R>>,
+    /// What it has come to for each of several absorbers.
+    pub absorbers: Vec<OfAbsorber<R>>,
     /// The measures with passes of their own that were asked for.
     pub named: Vec<(&'static str, Option<R>)>,
     /// Condition number of the run, where errors were asked for.
@@ -52,10 +54,22 @@ impl<R: Real> Ended<R> {
         reduction: bool,
         cancel: &AtomicBool,
     ) -> Result<Self, Invalid> {
-        let compared = reduction && steady.is_some() && design.scene.absorber().is_some();
+        let compared = reduction && steady.is_some() && design.scene.count() > 0;
         let bare = if compared { design.without_absorber(cancel)? } else { None };
-        let (extremes, named, condition, digits) = (None, Vec::new(), None, None);
-        Ok(Self { tally, measures, steady, bare, extremes, named, condition, digits, tier })
+        let [condition, digits] = [None; 2];
+        let (extremes, absorbers, named) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self {
+            tally,
+            measures,
+            steady,
+            bare,
+            extremes,
+            absorbers,
+            named,
+            condition,
+            digits,
+            tier,
+        })
     }
 
     /// The counts of the run.

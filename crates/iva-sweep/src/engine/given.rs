@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use iva_core::real::Real;
 
+use crate::choices::Choices;
 use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::slot::Slot;
@@ -14,6 +15,8 @@ use crate::spec::Spec;
 pub struct Given<'a, R = f64> {
     /// The fields.
     pub spec: &'a Spec,
+    /// The number of the absorber whose fields are read.
+    pub(super) absorber: usize,
     /// The field with respect to which results are differentiated, if any.
     by: Option<Slot>,
     numbers: PhantomData<R>,
@@ -22,17 +25,38 @@ pub struct Given<'a, R = f64> {
 impl<'a, R: Real> Given<'a, R> {
     /// The fields of a spec.
     pub fn new(spec: &'a Spec) -> Self {
-        Self { spec, by: None, numbers: PhantomData }
+        Self { spec, absorber: 0, by: None, numbers: PhantomData }
     }
 
     /// The fields of a spec, with the field to differentiate with respect to.
     pub fn differentiated(spec: &'a Spec, by: Slot) -> Self {
-        Self { spec, by: Some(by), numbers: PhantomData }
+        Self { spec, absorber: 0, by: Some(by), numbers: PhantomData }
+    }
+
+    /// The same fields, with those of the absorber of this number in a list.
+    pub(super) fn of(&self, absorber: usize) -> Self {
+        Self { absorber, ..*self }
+    }
+
+    /// Kind of the absorber, and model of a pendulum.
+    pub(super) fn choices(&self) -> &Choices {
+        self.spec.choices_of(self.absorber)
+    }
+
+    /// The place of a field that is not of a force.
+    pub(super) fn slot(&self, field: FieldId) -> Slot {
+        self.spec.slot(field, self.absorber)
+    }
+
+    /// The path of a field that is not of a force, for messages.
+    pub(super) fn path(&self, field: FieldId) -> String {
+        self.slot(field).path()
     }
 
     /// The value given for a field that is not of a force.
     pub(super) fn get(&self, field: FieldId) -> Option<R> {
-        self.spec.get(field).map(|value| self.number(field.into(), value))
+        let value = self.spec.get_of(self.absorber, field)?;
+        Some(self.number(self.slot(field), value))
     }
 
     /// A value given for a field, as a number of the motion.
@@ -42,6 +66,6 @@ impl<'a, R: Real> Given<'a, R> {
     }
 
     pub(super) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
-        self.spec.at_most_one(fields)
+        self.spec.at_most_one(self.absorber, fields)
     }
 }

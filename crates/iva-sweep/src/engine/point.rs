@@ -2,17 +2,18 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::absorber::several::Alone;
+use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
+use iva_core::impact::Impact;
 use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;
 use iva_core::measures::pass::{Pass, Passes};
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Peak;
 use iva_core::piva::Piva;
-use iva_core::propagation::{Differentiable, Errors};
+use iva_core::propagation::Errors;
 use iva_core::real::Real;
 use iva_core::run::side_by_side::Listing;
 use iva_core::simulate::simulate_from;
@@ -22,7 +23,9 @@ use iva_core::summary::Summary;
 
 use super::design::Design;
 use super::ended::Ended;
-use super::rows::{EpisodeRow, Estimate, ImpactRow, PeakRow, Row, StrobeRow, SummaryColumn};
+use super::rows::{
+    EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, StrobeRow, SummaryColumn,
+};
 use super::scene::with_system;
 use crate::cells::{Cell, passes};
 use crate::columns::{Group, tables as entries};
@@ -39,6 +42,7 @@ pub(crate) struct Request {
     pub impacts: bool,
     pub episodes: bool,
     pub envelope: bool,
+    pub absorbers: bool,
     /// True if the errors of the run are to be estimated.
     pub errors: bool,
     pub wanted: Wanted,
@@ -62,6 +66,7 @@ impl Request {
             impacts: asked(Table::Impacts),
             episodes: asked(Table::Episodes),
             envelope: asked(Table::Envelope),
+            absorbers: asked(Table::Absorbers),
             errors: study.errors,
             wanted: Wanted {
                 peaks: needs(Group::Peaks),
@@ -117,7 +122,7 @@ impl Request {
 
     /// True if a table beside the summary has rows of a run.
     pub fn has_rows(&self) -> bool {
-        self.lists() || self.envelope || self.steady.strobes
+        self.lists() || self.envelope || self.absorbers || self.steady.strobes
     }
 
     /// What is wanted of runs beside their measures, with their extremes or without.
@@ -138,13 +143,14 @@ impl Request {
 
     /// True if the extremes of a run are wanted.
     pub fn wants_extremes<S: OnStructure>(&self, system: &S) -> bool {
-        self.summary
+        (self.summary || self.absorbers)
             && (self.extremes || (self.extremes_of_decays && !system.excitation().is_driven()))
     }
 
     /// Whether the extremes of runs are wanted: of all, of none, or of some.
     pub fn with_extremes(&self) -> &'static [bool] {
-        match (self.summary && self.extremes, self.summary && self.extremes_of_decays) {
+        let shown = self.summary || self.absorbers;
+        match (shown && self.extremes, shown && self.extremes_of_decays) {
             (true, _) => &[true],
             (false, true) => &[false, true],
             (false, false) => &[false],
@@ -172,7 +178,10 @@ pub(crate) trait Estimates<S: Absorber>: Observer<S> {
     }
 }
 
-impl<S: Differentiable> Estimates<S> for Option<Box<Errors>> {
+impl<S: Absorber<Real = f64>> Estimates<S> for Option<Box<Errors>>
+where
+    Errors: Observer<S>,
+{
     fn of_impact(&self, index: usize) -> Estimate {
         let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
         let time = error.and_then(|error| error.time);
@@ -199,6 +208,8 @@ impl<S: Absorber, E: Estimates<S>, O: Observer<S>> Estimates<S> for (E, O) {
 pub(crate) trait EstimatesOfAny<R: Real>:
     Estimates<Siva<UndrivenHost<R>>>
     + Estimates<Siva<DrivenHost<R>>>
+    + Estimates<Several<UndrivenHost<R>>>
+    + Estimates<Several<DrivenHost<R>>>
     + Estimates<Alone<UndrivenHost<R>>>
     + Estimates<Alone<DrivenHost<R>>>
     + Estimates<Piva<UndrivenHost<R>>>
@@ -209,6 +220,8 @@ pub(crate) trait EstimatesOfAny<R: Real>:
 impl<R: Real, E> EstimatesOfAny<R> for E where
     E: Estimates<Siva<UndrivenHost<R>>>
         + Estimates<Siva<DrivenHost<R>>>
+        + Estimates<Several<UndrivenHost<R>>>
+        + Estimates<Several<DrivenHost<R>>>
         + Estimates<Alone<UndrivenHost<R>>>
         + Estimates<Alone<DrivenHost<R>>>
         + Estimates<Piva<UndrivenHost<R>>>
@@ -245,7 +258,7 @@ pub(crate) fn list<R: Real, E>(
     point: u64,
     design: &Design<R>,
     request: &Request,
-    found: &Seen<'_, R, E>,
+    (ended, found): (&Ended<R>, &Seen<'_, R, E>),
     take: &mut Take<'_, R>,
 ) where
     E: EstimatesOfAny<R>,
@@ -254,6 +267,16 @@ pub(crate) fn list<R: Real, E>(
     for table in &study.tables {
         with_system!(&design.scene, |it| point.rows(*table, &it.system, found, take));
     }
+    point.absorbers(ended, take);
+}
+
+/// The impulse of an impact, over the mass of the structure.
+fn gained<R: Real, S: Absorber<Real = R>>(system: &S, impact: &Impact<R>, approach: R) -> R {
+    if system.absorbers() <= 1 {
+        return system.law_at(impact.wall, approach).gain * approach;
+    }
+    let change = impact.absorber_velocity_after() - impact.absorber_velocity_before();
+    change.abs() * system.mass_ratio_of(usize::from(impact.absorber))
 }
 
 struct Point<'a, R: Real> {
@@ -288,7 +311,7 @@ impl<R: Real> Point<'_, R> {
         let wanted = request.measures();
         let passes = request.passes().into_iter().map(|new| new());
         let passes = Passes::new(from, passes.collect());
-        let asked = request.summary || request.envelope || steady.is_some();
+        let asked = request.summary || request.envelope || request.absorbers || steady.is_some();
         let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
             request.lists().then(Events::default),
@@ -309,9 +332,21 @@ impl<R: Real> Point<'_, R> {
         let tier = design.tier_alone();
         let ended = Ended::new(design, values, tier, request.reduction, cancel)?;
         let [condition, digits] = estimates.of_run();
-        let extremes = extremes.as_ref().map(Extremes::values).copied();
+        let extremes = extremes.map(|it| it.values().to_vec()).unwrap_or_default();
+        let absorbers = summary.as_ref().map(|it| it.absorbers().to_vec()).unwrap_or_default();
         let named = request.named(passes.values());
-        Ok(Ended { extremes, named, condition, digits, ..ended })
+        let ended = Ended { extremes, absorbers, named, condition, digits, ..ended };
+        self.absorbers(&ended, take);
+        Ok(ended)
+    }
+
+    /// The rows of the table of absorbers.
+    fn absorbers(&self, ended: &Ended<R>, take: &mut Take<'_, R>) {
+        if self.request.absorbers {
+            for row in RunRow::new(self.design, ended).absorbers() {
+                take(Table::Absorbers, &mut self.numbered(&row));
+            }
+        }
     }
 
     fn rows<S: Absorber<Real = R>, E: Estimates<S>>(
@@ -331,8 +366,9 @@ impl<R: Real> Point<'_, R> {
                     let angles = system.impact_angles(impact).filter(|_| design.scene.has_angle());
                     let estimate = seen.estimates.of_impact(index);
                     let approach = impact.approach_speed();
-                    let gained = system.law_at(impact.wall, approach).gain * approach;
-                    let peak_force = design.contact_rate.map(|rate| rate * gained);
+                    let absorber = usize::from(impact.absorber);
+                    let rate = design.contact_rates.get(absorber).copied().flatten();
+                    let peak_force = rate.map(|rate| rate * gained(system, impact, approach));
                     let of_impact =
                         ImpactRow { index, impact, peak_force, angles, estimate, scale };
                     row(&mut self.numbered(&of_impact));
@@ -351,13 +387,15 @@ impl<R: Real> Point<'_, R> {
             }
             Table::Stroboscope => {
                 let mut before = None;
-                let has_absorber = design.scene.absorber().is_some();
-                for strobe in seen.strobes {
-                    row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
-                    before = Some(strobe);
+                let has_absorber = design.scene.count() > 0;
+                for at_once in seen.strobes.chunks(design.scene.count().max(1)) {
+                    for strobe in at_once {
+                        row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
+                    }
+                    before = at_once.first();
                 }
             }
-            Table::Summary | Table::Trajectory => {}
+            Table::Summary | Table::Absorbers | Table::Trajectory => {}
         }
     }
 

@@ -13,6 +13,7 @@ use iva_core::impact::Impact;
 use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
 use iva_core::real::Real;
+use iva_core::simulate::OfAbsorber;
 use iva_core::steady::{SteadyValues, Strobe};
 
 use crate::cells::{Cell, cells};
@@ -64,7 +65,7 @@ impl SummaryColumn {
 /// A row of `summary`.
 pub(crate) struct RunRow<'a, R: Real = f64> {
     pub ended: &'a Ended<R>,
-    pub contact_rate: Option<R>,
+    pub contact_rates: &'a [Option<R>],
     pub scene: &'a Scene<R>,
     pub scale: &'a Scale<R>,
 }
@@ -72,8 +73,8 @@ pub(crate) struct RunRow<'a, R: Real = f64> {
 impl<'a, R: Real> RunRow<'a, R> {
     /// The row of a run.
     pub fn new(design: &'a Design<R>, ended: &'a Ended<R>) -> Self {
-        let Design { scene, scale, contact_rate, .. } = design;
-        Self { ended, contact_rate: *contact_rate, scene, scale }
+        let Design { scene, scale, contact_rates, .. } = design;
+        Self { ended, contact_rates, scene, scale }
     }
 
     /// The cell of an entry of the table.
@@ -88,39 +89,44 @@ impl<'a, R: Real> RunRow<'a, R> {
         self.scene.absorber().map(|_| R::larger(plus, minus))
     }
 
+    /// What the run has come to for each absorber.
+    pub fn absorbers(&self) -> impl Iterator<Item = AbsorberRow<'a, R>> {
+        let Self { ended, contact_rates, scene, scale } = *self;
+        let single = ended.absorbers.is_empty() && scene.count() > 0;
+        let alone = single.then(|| ended.tally.of_absorber(largest_impulse(ended, scene)));
+        let all = alone.into_iter().chain(ended.absorbers.iter().copied());
+        all.enumerate().map(move |(absorber, of)| AbsorberRow {
+            absorber,
+            of,
+            extremes: ended.extremes.get(absorber),
+            contact_rate: contact_rates.get(absorber).copied().flatten(),
+            scale,
+        })
+    }
+
     /// Estimate of the largest force in an impact; `None` if neither contact time nor contact stiffness is
     /// given.
     fn peak_force(&self) -> Option<R> {
-        Some(self.scale.force(self.gained()? * self.contact_rate?))
+        self.absorbers().filter_map(|it| it.peak_force()).reduce(R::larger)
     }
 
-    /// Largest impulse on the structure; `None` without absorber.
+    /// Largest impulse of an absorber on the structure; `None` without absorber.
     fn impulse(&self) -> Option<R> {
-        self.gained().map(|gained| self.scale.impulse(gained))
-    }
-
-    /// Largest velocity that the structure gains in an impact; `None` without absorber.
-    fn gained(&self) -> Option<R> {
-        self.scene.absorber()?;
-        let gained = [Wall::Plus, Wall::Minus].map(|wall| {
-            let speed = self.ended.tally.approach_speeds[wall.index()];
-            // A pendulum that cannot reach its stops has no impact law.
-            if speed > 0.0 { self.scene.impact_gain(wall, speed).abs() * speed } else { R::ZERO }
-        });
-        Some(R::larger(gained[0], gained[1]))
+        let largest = self.absorbers().map(|it| it.of.impulse).reduce(R::larger);
+        largest.map(|impulse| self.scale.impulse(impulse))
     }
 
     /// Largest acceleration: in the steady state under force, otherwise in the whole decay.
     fn acceleration(&self) -> Option<R> {
         let driven = self.steady(|it| it.acceleration_max);
-        let found = driven.or_else(|| self.ended.extremes.and_then(|it| it.acceleration));
+        let found = driven.or_else(|| self.ended.extremes.first()?.acceleration);
         found.map(|acceleration| self.scale.acceleration(acceleration))
     }
 
-    /// An extreme of the absorber; `None` without absorber.
+    /// An extreme of the absorber, the largest of several; `None` without absorber.
     fn extreme(&self, read: fn(&ExtremeValues<R>) -> Option<R>) -> Option<R> {
         self.scene.absorber()?;
-        self.ended.extremes.as_ref().and_then(read)
+        self.ended.extremes.iter().filter_map(read).reduce(R::larger)
     }
 
     /// A measure with a pass of its own; `None` without absorber.
@@ -155,6 +161,16 @@ impl<'a, R: Real> RunRow<'a, R> {
 fn reduced<R: Real>(size: R, bare: R) -> Option<R> {
     let share = Some(bare).filter(|bare| bare.is_finite()).map(|bare| size / bare)?;
     share.is_finite().then_some(R::ONE - share)
+}
+
+/// The largest velocity that the structure gains in an impact of its only absorber.
+fn largest_impulse<R: Real>(ended: &Ended<R>, scene: &Scene<R>) -> R {
+    let gained = [Wall::Plus, Wall::Minus].map(|wall| {
+        let speed = ended.tally.approach_speeds[wall.index()];
+        // A pendulum that cannot reach its stops has no impact law.
+        if speed > 0.0 { scene.impact_gain(wall, speed).abs() * speed } else { R::ZERO }
+    });
+    R::larger(gained[0], gained[1])
 }
 
 /// The estimated error of an impact.
@@ -212,10 +228,34 @@ pub(crate) struct StrobeRow<'a, R = f64> {
     pub scale: &'a Scale<R>,
 }
 
+/// A row of `absorbers`.
+pub(crate) struct AbsorberRow<'a, R = f64> {
+    pub absorber: usize,
+    pub of: OfAbsorber<R>,
+    pub extremes: Option<&'a ExtremeValues<R>>,
+    pub contact_rate: Option<R>,
+    pub scale: &'a Scale<R>,
+}
+
+impl<R: Real> AbsorberRow<'_, R> {
+    fn approach_speed(&self) -> R {
+        let [plus, minus] = self.of.approach_speeds;
+        R::larger(plus, minus)
+    }
+
+    fn peak_force(&self) -> Option<R> {
+        self.contact_rate.map(|rate| self.scale.force(self.of.impulse * rate))
+    }
+}
+
 impl<R: Real> StrobeRow<'_, R> {
     /// A value of the absorber; `None` without absorber.
     fn gap(&self, read: fn(&Strobe<R>) -> R) -> Option<R> {
         self.has_absorber.then(|| read(self.strobe))
+    }
+
+    fn absorber(&self) -> Option<u64> {
+        self.has_absorber.then_some(u64::from(self.strobe.absorber))
     }
 
     /// Number of listed impacts since the previous strobe.
@@ -246,4 +286,5 @@ rows! {
     EpisodeRow: episodes;
     PeakRow: envelope;
     StrobeRow: stroboscope;
+    AbsorberRow: absorbers;
 }

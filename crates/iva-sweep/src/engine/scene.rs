@@ -1,6 +1,6 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
-use iva_core::absorber::several::Alone;
+use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
@@ -32,6 +32,10 @@ pub enum Scene<R: Real = f64> {
     Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
     /// A pendulum under force.
     DrivenPiva(Box<Mounted<Piva<DrivenHost<R>>>>),
+    /// Several free masses in free decay.
+    Several(Box<Mounted<Several<UndrivenHost<R>>>>),
+    /// Several free masses under force.
+    DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
     /// A structure without absorber in free decay.
     Alone(Mounted<Alone<UndrivenHost<R>>>),
     /// A structure without absorber under force.
@@ -46,6 +50,8 @@ macro_rules! with_system {
             $crate::engine::scene::Scene::DrivenSiva($mounted) => $body,
             $crate::engine::scene::Scene::Piva($mounted) => $body,
             $crate::engine::scene::Scene::DrivenPiva($mounted) => $body,
+            $crate::engine::scene::Scene::Several($mounted) => $body,
+            $crate::engine::scene::Scene::DrivenSeveral($mounted) => $body,
             $crate::engine::scene::Scene::Alone($mounted) => $body,
             $crate::engine::scene::Scene::DrivenAlone($mounted) => $body,
         }
@@ -67,17 +73,32 @@ pub struct Absorber<R = f64> {
 }
 
 impl<R: Real> Scene<R> {
-    /// The absorber; `None` for a structure alone.
+    /// Number of absorbers.
+    pub fn count(&self) -> usize {
+        with_system!(self, |it| it.system.absorbers())
+    }
+
+    /// The absorber, of several the first; `None` for a structure alone.
     pub fn absorber(&self) -> Option<Absorber<R>> {
-        if matches!(self, Scene::Alone(_) | Scene::DrivenAlone(_)) {
+        self.absorber_of(0)
+    }
+
+    /// The absorber of this number in a list; `None` if there is none.
+    pub fn absorber_of(&self, absorber: usize) -> Option<Absorber<R>> {
+        if absorber >= self.count() {
             return None;
         }
         Some(with_system!(self, |it| Absorber {
-            mass_ratio: it.system.mass_ratio(),
-            restitution: it.system.law_at(Wall::Plus, R::ZERO).restitution,
-            restitution_minus: it.system.law_at(Wall::Minus, R::ZERO).restitution,
-            clearance: it.system.clearance(),
+            mass_ratio: it.system.mass_ratio_of(absorber),
+            restitution: it.system.law_of(absorber, Wall::Plus, R::ZERO).restitution,
+            restitution_minus: it.system.law_of(absorber, Wall::Minus, R::ZERO).restitution,
+            clearance: it.system.clearance_of(absorber),
         }))
+    }
+
+    /// The clearance, of several absorbers the smallest; 1 for a structure alone.
+    pub fn clearance(&self) -> R {
+        with_system!(self, |it| it.system.clearance())
     }
 
     /// Damping ratio ζ of the primary without absorber.
@@ -111,7 +132,8 @@ impl<R: Real> Scene<R> {
         Some(with_system!(self, |it| it.system.walls_reachable()))
     }
 
-    /// Velocity that the structure gains in an impact on a wall of an approach speed, per gap velocity.
+    /// Velocity that the structure gains in an impact of its only absorber on a wall, of an approach speed, per gap
+    /// velocity.
     pub fn impact_gain(&self, wall: Wall, approach: R) -> R {
         with_system!(self, |it| it.system.law_at(wall, approach).gain)
     }
@@ -122,9 +144,9 @@ impl<R: Real> Scene<R> {
         force.filter(|force| !force.is_none())
     }
 
-    /// The middle of the gap, as a value of y; 0 without absorber.
-    pub fn gap_offset(&self) -> R {
-        with_system!(self, |it| it.system.offset())
+    /// The middle of the gap of an absorber, as a value of y; 0 without absorber.
+    pub fn gap_offset(&self, absorber: usize) -> R {
+        with_system!(self, |it| it.system.offset_of(absorber))
     }
 
     /// True if the base moves.

@@ -70,11 +70,16 @@ pub fn states(
     }
     let mut sampler = Sampler::at(instants);
     watch(&design, cancel, &mut sampler)?;
-    let mut found: Vec<Option<&State>> = vec![None; times.len()];
-    for (&index, state) in order.iter().zip(&sampler.states) {
-        found[index] = Some(state);
+    // Of several absorbers each has a state at every instant.
+    let each = design.scene.count().max(1);
+    let mut found: Vec<(f64, Option<&State>)> =
+        times.iter().flat_map(|time| vec![(*time, None); each]).collect();
+    for (&index, at_once) in order.iter().zip(sampler.states.chunks(each)) {
+        for ((_, found), state) in found[index * each..].iter_mut().zip(at_once) {
+            *found = Some(state);
+        }
     }
-    table(spec, &design, times.iter().copied().zip(found))
+    table(spec, &design, found.into_iter())
 }
 
 fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {

@@ -48,6 +48,7 @@ mod regressions;
 mod samples;
 mod second_opinion;
 mod several;
+mod several_errors;
 mod several_reference;
 mod side_by_side;
 mod speed_law;

@@ -81,7 +81,7 @@ fn the_second_row_of_a_plastic_impact_is_a_state_on_the_wall() {
         let mut observers = (Sampler::with_events(Vec::new()), Extremes::new(0.0));
         simulate(&siva, &start, &Limits::new(30.0, 0.4), None, &mut observers).unwrap();
         let (Sampler { states, .. }, extremes) = observers;
-        let largest = extremes.values().acceleration.unwrap();
+        let largest = extremes.values()[0].acceleration.unwrap();
         for pair in states.chunks(2) {
             let [before, after]: [State; 2] = pair.try_into().unwrap();
             assert_eq!(before.wall, 0);

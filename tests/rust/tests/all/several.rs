@@ -10,16 +10,20 @@ use std::sync::Arc;
 use iva_core::{
     absorber::several::{Several, Starts},
     absorber::{Absorber, OnStructure, Point, Start},
+    extremes::Extremes,
     flight::GapPoint,
     force::{Acts, Force, Harmonic, History, Impulse, Record},
     host::{Host, UndrivenHost},
     impact::Impact,
+    measures::Wanted,
     observe::Events,
     real::{Real, twofold::Twofold},
     run::{Run, run},
+    sample::Sampler,
     simulate::{Limits, Outcome, resume, simulate},
     siva::{FreeMass, Siva},
     steady::{Steady, SteadyWanted, Window},
+    summary::Summary,
 };
 use iva_tests::rng::Rng;
 
@@ -178,7 +182,7 @@ fn held<H: Host<Real = f64>, const N: usize>(
     assert!(run.impacts.windows(2).all(|two| two[0].time <= two[1].time), "in order of time");
     let lost: f64 = run.impacts.iter().map(|impact| impact.energy_loss).sum();
     assert!((lost - run.tally.energy_impacts).abs() < 1e-6 * (1.0 + lost), "{lost}");
-    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).iter().zip(masses) {
+    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).zip(masses) {
         assert!((gap.y - offset).abs() <= *d);
     }
     (run.episodes.len(), counted)
@@ -221,7 +225,7 @@ fn a_divided_run_goes_on() {
         stuck += usize::from((0..3).any(|k| system.is_stuck(&system.turned_to(&first.state, k))));
         let second = resume(&system, &first.instant(), &limits(14.0), None, &mut ()).unwrap();
         assert_eq!(whole.impacts, first.impacts + second.impacts);
-        for (a, b) in system.gaps(&whole.state).iter().zip(system.gaps(&second.state)) {
+        for (a, b) in system.gaps(&whole.state).zip(system.gaps(&second.state)) {
             let off = [a.y - b.y, a.w - b.w].map(|it| f64::from(it).abs());
             assert!(off[0].max(off[1]) < 1e-13, "{middle}: {off:?}");
         }
@@ -410,8 +414,125 @@ fn a_bad_list_is_refused() {
     let masses = [[0.1, 0.5, 0.4, 0.0, 0.0, 0.0], [0.1, 0.5, 0.4, 0.0, 0.5, 0.0]];
     let system = Several::new(0.0, masses.map(built::<f64>)).unwrap();
     let error = system.check_start(&start([1.0, 0.0], &masses)).unwrap_err().to_string();
-    assert!(error.contains("start.absorber.2.gap_displacement"), "{error}");
+    assert!(error.contains("start.1.gap_displacement"), "{error}");
     let nine: Result<Several<UndrivenHost, 9>, _> = Several::new(0.0, [built(masses[0]); 9]);
     assert!(nine.unwrap_err().to_string().contains("give 8 absorbers at most"));
     assert!((system.mass_ratio() - 0.2).abs() < 1e-15);
+    for count in [0, 9] {
+        let list = vec![built::<f64>(masses[0]); count];
+        let error = Several::of(0.0, &list).unwrap_err().to_string();
+        assert!(error.contains("give 1 to 8 absorbers"), "{error}");
+    }
+}
+
+/// A list with room for more masses than it has makes the same run to the bit, and tells of each mass what its events say.
+#[test]
+fn a_list_of_any_length_is_the_same_run() {
+    let mut rng = Rng::new(59);
+    let mut episodes = 0;
+    for k in 0..40 {
+        let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
+        let exact = Several::new(0.02, masses.map(built::<f64>)).unwrap();
+        let room = Several::of(0.02, &masses.map(built::<f64>)).unwrap();
+        let (starts, limits) = (start(at, &masses), limits(25.0));
+        let wide = Starts::of(starts.primary, &starts.gaps);
+        let force = || push::<f64>(0.3, 0.9, Acts::Primary);
+        if k % 2 == 0 {
+            episodes += same(&exact, &starts, &room, &wide, &limits, masses);
+        } else {
+            let (exact, room) = (exact.under(force()), room.under(force()));
+            episodes += same(&exact, &starts, &room, &wide, &limits, masses);
+        }
+    }
+    assert!(episodes > 8, "{episodes} episodes");
+}
+
+/// Compares the runs of two lists of the same masses; returns the number of stick episodes.
+fn same<H: Host<Real = f64>, const N: usize>(
+    exact: &Several<H, N>,
+    start: &Starts<f64, N>,
+    room: &Several<H>,
+    wide: &Starts<f64>,
+    limits: &Limits,
+    masses: [Mass; N],
+) -> usize {
+    let one = run(exact, start, limits).unwrap();
+    let other = run(room, wide, limits).unwrap();
+    assert_eq!(one.impacts, other.impacts);
+    assert_eq!(one.episodes, other.episodes);
+    assert_eq!(one.measures, other.measures);
+    let mut seen = (Summary::<Several<H>>::new(Wanted::NONE, None), Sampler::at(vec![3.0, 7.0]));
+    let tally = simulate(room, wide, limits, None, &mut seen).unwrap();
+    let each = seen.0.absorbers();
+    assert_eq!(each.len(), N);
+    for (k, of) in each.iter().enumerate() {
+        let mine: Vec<_> = one.impacts.iter().filter(|it| usize::from(it.absorber) == k).collect();
+        assert_eq!(of.impacts, mine.len() as u64);
+        assert_eq!(of.effective_impacts, mine.iter().filter(|it| it.effective()).count() as u64);
+        let mut fastest = [0.0_f64; 2];
+        let mut impulse = 0.0_f64;
+        for it in &mine {
+            fastest[it.wall.index()] = fastest[it.wall.index()].max(it.approach_speed());
+            let gained = it.absorber_velocity_after() - it.absorber_velocity_before();
+            impulse = impulse.max(masses[k][0] * gained.abs());
+        }
+        assert!(of.approach_speeds[0] >= fastest[0] && of.approach_speeds[1] >= fastest[1]);
+        if of.episodes == 0 {
+            assert_eq!((of.approach_speeds, of.impulse), (fastest, impulse));
+            let lost: f64 = mine.iter().map(|it| it.energy_loss).sum();
+            assert!(
+                (of.energy_impacts - lost).abs() <= 1e-14 * lost,
+                "{} {lost}",
+                of.energy_impacts
+            );
+        }
+        let stuck = one.episodes.iter().filter(|it| usize::from(it.absorber) == k);
+        assert_eq!(of.episodes, stuck.clone().count() as u64);
+        let time: f64 = stuck.map(|it| it.release_time.unwrap_or(25.0) - it.stick_time).sum();
+        assert!((of.time_stuck - time).abs() < 1e-13, "{} {time}", of.time_stuck);
+    }
+    let energy: f64 = each.iter().map(|of| of.energy_impacts).sum();
+    assert!((energy - tally.energy_impacts).abs() < 1e-14 * energy.max(1.0));
+    assert_eq!(each.iter().map(|of| of.impacts).sum::<u64>(), tally.impacts);
+    let fastest = |wall: usize| each.iter().map(|of| of.approach_speeds[wall]).fold(0.0, f64::max);
+    assert_eq!(tally.approach_speeds, [fastest(0), fastest(1)]);
+    let states = &seen.1.states;
+    assert_eq!(states.len(), 2 * N);
+    for (k, state) in states.iter().enumerate() {
+        assert_eq!(usize::from(state.absorber), k % N);
+        let [_, _, d, offset, ..] = masses[k % N];
+        assert!((state.gap_displacement - offset).abs() <= d * (1.0 + 1e-15));
+        let of = &states[k - k % N];
+        assert_eq!((state.time, state.displacement), (of.time, of.displacement));
+    }
+    one.episodes.len()
+}
+
+/// The extremes of each mass are those of dense samples, to the samples' distance.
+#[test]
+fn the_extremes_are_those_of_each_mass() {
+    let mut rng = Rng::new(61);
+    for _ in 0..10 {
+        let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
+        let pair = Several::of(0.02, &masses.map(built::<f64>)).unwrap();
+        let starts = start(at, &masses);
+        let wide = Starts::of(starts.primary, &starts.gaps);
+        let times = (0..=20_000).map(|k| f64::from(k) * 1e-3).collect();
+        let mut seen = (Extremes::new(0.0), Sampler::with_events(times));
+        simulate(&pair, &wide, &limits(20.0), None, &mut seen).unwrap();
+        for (k, of) in seen.0.values().iter().enumerate() {
+            let mine = seen.1.states.iter().filter(|it| usize::from(it.absorber) == k);
+            let gaps = mine.clone().map(|it| it.gap_displacement);
+            let [most, least] =
+                [gaps.clone().fold(-9.0_f64, f64::max), gaps.clone().fold(9.0_f64, f64::min)];
+            let furthest = mine.map(|it| (it.displacement + it.gap_displacement).abs());
+            let furthest = furthest.fold(0.0, f64::max);
+            let near = |found: Option<f64>, seen: f64| (found.unwrap() - seen).abs() < 1e-5;
+            assert!(near(of.stroke, most - least), "{of:?} {most} {least}");
+            assert!(near(of.gap_displacement, most.max(-least)), "{of:?} {most} {least}");
+            assert!(near(of.absorber_displacement, furthest), "{of:?} {furthest}");
+        }
+    }
 }

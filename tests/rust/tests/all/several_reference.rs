@@ -75,8 +75,8 @@ fn events<R: Read, H: Host<Real = R>, const N: usize>(
             events.push(("release".to_owned(), absorber, vec![time, wall]));
         }
     }
-    let gaps = system.gaps(&run.tally.state);
-    let end = [gaps.map(|gap| gap.y).to_vec(), gaps.map(|gap| gap.w).to_vec()];
+    let end = [|gap: GapPoint<R>| gap.y, |gap: GapPoint<R>| gap.w]
+        .map(|read| system.gaps(&run.tally.state).map(read).collect());
     (events, end)
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> St
     let (summary, ((events, errors), (extremes, passes))) = watch;
     let ended = (tally, *summary.values(), summary.steady_values().copied());
     let (peaks, strobes) = (summary.envelope(), summary.steady().and_then(Steady::all_strobes));
-    let (extremes, passes) = (Some(*extremes.values()), passes.values().collect::<Vec<_>>());
+    let (extremes, passes) = (extremes.values().to_vec(), passes.values().collect::<Vec<_>>());
     let seen = format!("{peaks:?} {strobes:?} {extremes:?} {passes:?}");
     format!("{ended:?} {events:?} {} {seen}", told(&errors))
 }

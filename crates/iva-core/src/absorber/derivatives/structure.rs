@@ -13,7 +13,7 @@ use crate::host::{Host, HostState, Structure};
 /// From (0, 1) by the power series over h/2ⁿ, from (1, 0) by x = p′ + c p and ẋ = −k p with p that motion; the
 /// flow over twice the time is its square.
 #[inline(always)]
-pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
+pub(crate) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
     let Equation { stiffness, damping, growth, .. } = *equation;
     let mut doublings = 0;
     let mut step = h;

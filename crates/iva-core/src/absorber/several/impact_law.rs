@@ -38,7 +38,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
 
     /// 1 and the mass ratios of some masses.
     pub(super) fn together(&self, which: impl Fn(usize) -> bool) -> DoubleDouble<R> {
-        let masses = (0..N).filter(|k| which(*k)).map(|k| self.masses[k].mass_ratio);
+        let masses = (0..self.count).filter(|k| which(*k)).map(|k| self.masses[k].mass_ratio);
         masses.fold(DoubleDouble::new(R::ONE), DoubleDouble::plus)
     }
 
@@ -73,7 +73,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
 impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
     fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
-        let Some(mass) = self.masses.get(absorber) else {
+        let Some(mass) = self.masses().get(absorber) else {
             return LawAt::constant(R::ZERO, R::ZERO, R::ZERO, R::ZERO);
         };
         let law = mass.law(R::from(wall.sign()));
@@ -99,7 +99,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
         let together = self.together(|k| struck[k] || carried(k));
         let gained = self.gained(state, restitutions, together);
         let mut left = *state;
-        for (k, mass) in left.masses.iter_mut().enumerate() {
+        for (k, mass) in left.masses[..self.count].iter_mut().enumerate() {
             mass.stuck &= carried(k);
         }
         let mut after = self.jumped(&left, gained);

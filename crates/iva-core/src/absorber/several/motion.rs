@@ -1,6 +1,6 @@
 //! The motion of a structure and of several masses between two events.
 
-use super::{InGap, Several, SeveralState};
+use super::{InGap, MOST, Several, SeveralState};
 use crate::absorber::{Absorber, OnStructure, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Structure};
@@ -14,7 +14,7 @@ use crate::segment::taylor::ORDER;
 /// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
 /// pressure on that wall while it is stuck.
 #[derive(Debug, Clone)]
-pub struct Together<'a, H: Host, const N: usize> {
+pub struct Together<'a, H: Host, const N: usize = MOST> {
     system: &'a Several<H, N>,
     structure: &'a H::Structure,
     pub(super) from: SeveralState<H, N>,
@@ -65,18 +65,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
             #[inline(always)]
             || self.structure.flown(&self.from.host, &self.course, h),
         );
-        let masses = self.from.masses.map(|mass| {
-            if mass.stuck {
-                return mass;
-            }
+        let mut masses = self.from.masses;
+        for mass in masses[..self.system.count].iter_mut().filter(|mass| !mass.stuck) {
             let sided = |sum: DoubleDouble<R>| DoubleDouble {
                 value: mass.side * sum.value,
                 rest: mass.side * sum.rest,
             };
             let straight = mass.rate.product(DoubleDouble::new(h));
             let distance = mass.distance.plus_both(straight, sided(gained.curved));
-            InGap { distance, rate: mass.rate + sided(gained.velocity), ..mass }
-        });
+            (mass.distance, mass.rate) = (distance, mass.rate + sided(gained.velocity));
+        }
         SeveralState { host: to, masses, at_hand: self.from.at_hand }
     }
 
@@ -122,7 +120,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn wall(&self) -> Option<Wall> {
-        self.is_stuck().then(|| self.system.wall(&self.from))
+        self.wall_of(usize::from(self.from.at_hand))
+    }
+
+    fn absorbers(&self) -> usize {
+        self.system.absorbers()
+    }
+
+    fn gap_of(&self, absorber: usize, h: R) -> GapPoint<R> {
+        let gap = self.system.gaps(&self.state(h)).nth(absorber);
+        gap.unwrap_or(GapPoint { y: R::ZERO, w: R::ZERO })
+    }
+
+    fn wall_of(&self, absorber: usize) -> Option<Wall> {
+        let place = self.from.masses.get(absorber).filter(|place| place.stuck)?;
+        Some(if place.side < 0.0 { Wall::Minus } else { Wall::Plus })
     }
 
     /// The work on a moving base is that on the structure, and that on each mass.
@@ -130,7 +142,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         let [viscous, alone] = self.integrals(R::ZERO, None, h);
         let mut work = alone;
         if self.structure.moves_base() {
-            for (mass, place) in self.system.masses.iter().zip(&self.from.masses) {
+            for (mass, place) in self.system.each(&self.from) {
                 let w = (!place.stuck).then(|| place.gap(mass).w);
                 work += self.integrals(mass.mass_ratio, w, h)[1] - alone;
             }
@@ -162,11 +174,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         )
     }
 
-    /// That of the absorber at hand, whose gap obeys ÿ = −A in flight.
     fn travel(&self) -> Option<Travel<R>> {
+        self.travel_of(usize::from(self.from.at_hand))
+    }
+
+    /// The gap of a mass obeys ÿ = −A in flight.
+    fn travel_of(&self, absorber: usize) -> Option<Travel<R>> {
         let rows = self.structure.series(&self.from.host, &self.course);
         let mut gap = [R::ZERO; ORDER + 1];
-        let Some((mass, place)) = self.system.seen(&self.from) else {
+        let Some((mass, place)) = self.system.each(&self.from).nth(absorber) else {
             return Some(Travel::new(rows, gap, R::ONE));
         };
         let GapPoint { y, w } = place.gap(mass);

@@ -29,7 +29,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Several<H, N> {
 
     /// That of all masses together.
     fn mass_ratio(&self) -> R {
-        super::total(&self.masses)
+        super::total(self.masses())
+    }
+
+    fn mass_ratio_of(&self, absorber: usize) -> R {
+        self.masses().get(absorber).map_or(R::ZERO, |mass| mass.mass_ratio)
     }
 
     fn primary(&self, state: &Self::State) -> Point<R> {
@@ -40,7 +44,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Several<H, N> {
     fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
         let structure = (x * x + v * v) * 0.5;
-        self.masses.iter().zip(self.gaps(state)).fold(structure, |sum, (mass, gap)| {
+        self.masses().iter().zip(self.gaps(state)).fold(structure, |sum, (mass, gap)| {
             sum + mass.mass_ratio * 0.5 * ((v + gap.w) * (v + gap.w))
         })
     }

@@ -1,5 +1,6 @@
 //! The state of a structure and of the masses on it.
 
+use super::MOST;
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
 use crate::host::{Host, HostState, Phase};
@@ -18,9 +19,9 @@ pub struct InGap<R> {
     pub(crate) stuck: bool,
 }
 
-/// The state of the structure and of N masses between events.
+/// The state of the structure and of its masses between events.
 #[derive(Debug, PartialEq)]
-pub struct SeveralState<H: Host, const N: usize> {
+pub struct SeveralState<H: Host, const N: usize = MOST> {
     /// The structure, with A of its mass and of those that are stuck to it.
     pub(crate) host: HostState<Phase<H>, H::Real>,
     pub(crate) masses: [InGap<H::Real>; N],
@@ -37,6 +38,14 @@ impl<H: Host, const N: usize> Clone for SeveralState<H, N> {
 impl<H: Host, const N: usize> Copy for SeveralState<H, N> {}
 
 impl<R: Real> InGap<R> {
+    /// The place of a mass that is not there.
+    pub(super) const UNUSED: Self = Self {
+        side: R::ONE,
+        distance: DoubleDouble { value: R::ONE, rest: R::ZERO },
+        rate: DoubleDouble::ZERO,
+        stuck: false,
+    };
+
     /// Gap displacement and gap velocity.
     pub(crate) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {
         let d = mass.clearance;

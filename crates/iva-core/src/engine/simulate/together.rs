@@ -7,10 +7,11 @@
 //! it for each in turn.
 
 use super::{Run, is_finite, presses};
-use crate::absorber::Absorber;
 use crate::absorber::chatter::{Rebound, is_nothing};
-use crate::engine::counts::Streak;
+use crate::absorber::{Absorber, Clock};
+use crate::engine::counts::{Counts, Streak};
 use crate::engine::observe::{Observer, StickEpisode};
+use crate::engine::tally::{OfAbsorber, Tally};
 use crate::number::real::Real;
 use crate::segment::contact::{Stretch, first_contact, first_release};
 use crate::segment::flight::{Curve, Motion, Side};
@@ -24,6 +25,34 @@ pub(super) struct Waiting<R> {
     streak: Streak<R>,
     /// Number of its listed impacts.
     impacts: f64,
+    /// Its other sums.
+    own: Own<R>,
+    /// Its largest impulse, over the mass of the structure.
+    impulse: R,
+}
+
+/// Sums of one absorber, or of all.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Own<R> {
+    effective: f64,
+    episodes: u64,
+    time_stuck: R,
+    losses: Clock<R>,
+    /// The largest approach speed on each wall.
+    approach_speeds: [R; 2],
+}
+
+impl<R: Real> Own<R> {
+    /// With what has come to the sums of all absorbers since an instant.
+    fn grown(&self, [since, now]: [&Self; 2]) -> Self {
+        Self {
+            effective: self.effective + (now.effective - since.effective),
+            episodes: self.episodes + (now.episodes - since.episodes),
+            time_stuck: self.time_stuck + (now.time_stuck - since.time_stuck),
+            losses: self.losses + (now.losses - since.losses),
+            approach_speeds: now.approach_speeds,
+        }
+    }
 }
 
 impl<R: Real> Waiting<R> {
@@ -43,21 +72,65 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         if absorber == at_hand {
             return;
         }
-        let counts = &mut self.progress.counts;
+        let counts = &self.progress.counts;
         let renumbered = |streak: Streak<R>, by: f64| Streak {
             listed_before: streak.listed_before + by,
             ..streak
         };
-        let mine = Waiting {
-            riding: self.riding.take(),
-            streak: renumbered(counts.streak, -self.others),
-            impacts: counts.impacts - self.others,
-        };
-        self.waiting[at_hand] = mine;
-        let Waiting { riding, streak, impacts } = self.waiting[absorber];
+        let (streak, impacts) =
+            (renumbered(counts.streak, -self.others), counts.impacts - self.others);
+        let (own, riding) = (self.own(), self.riding.take());
+        let impulse = self.waiting[at_hand].impulse;
+        self.waiting[at_hand] = Waiting { riding, streak, impacts, own, impulse };
+        let Waiting { riding, streak, impacts, own, .. } = self.waiting[absorber];
+        let counts = &mut self.progress.counts;
         self.others = counts.impacts - impacts;
         (self.riding, counts.streak) = (riding, renumbered(streak, self.others));
+        counts.approach_speeds = own.approach_speeds;
+        self.since = self.sums();
         self.tally.state = self.system.turned_to(&self.tally.state, absorber);
+    }
+
+    /// The sums of all absorbers, with the approach speeds of the one at hand.
+    fn sums(&self) -> Own<R> {
+        let Counts { effective, losses, approach_speeds, .. } = self.progress.counts;
+        let Tally { episodes, time_stuck, .. } = self.tally;
+        Own { effective, episodes, time_stuck, losses, approach_speeds }
+    }
+
+    /// The sums of the absorber at hand.
+    fn own(&self) -> Own<R> {
+        let at_hand = self.system.at_hand(&self.tally.state);
+        self.waiting[at_hand].own.grown([&self.since, &self.sums()])
+    }
+
+    /// Tells the observer what the run has come to for each absorber, at its end.
+    pub(super) fn tell_each(&mut self) {
+        let counts = &self.progress.counts;
+        let at_hand = self.system.at_hand(&self.tally.state);
+        let mine = Waiting {
+            impacts: counts.impacts - self.others,
+            own: self.own(),
+            ..self.waiting[at_hand]
+        };
+        let all = self.waiting.iter().enumerate();
+        let all = all.map(|(k, it)| if k == at_hand { mine } else { *it });
+        let each: Vec<OfAbsorber<R>> = all
+            .map(|Waiting { impacts, own, impulse, .. }| OfAbsorber {
+                impacts: impacts as u64,
+                effective_impacts: own.effective as u64,
+                episodes: own.episodes,
+                approach_speeds: own.approach_speeds,
+                time_stuck: own.time_stuck,
+                energy_impacts: own.losses.value,
+                impulse,
+            })
+            .collect();
+        self.progress.counts.approach_speeds = [0, 1].map(|wall| {
+            let speeds = each.iter().map(|it| it.approach_speeds[wall]);
+            speeds.fold(R::ZERO, R::larger)
+        });
+        self.observer.absorbers(&each);
     }
 
     /// True if an absorber, seen as the one at hand, touches its wall and approaches it.
@@ -144,7 +217,10 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         for absorber in 0..self.system.absorbers() {
             if self.strikes(absorber, &before) {
                 self.turn_to(absorber);
-                self.strike(&self.system.turned_to(&before, absorber));
+                let impact = self.strike(&self.system.turned_to(&before, absorber));
+                let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
+                let impulse = gained.abs() * self.system.mass_ratio_of(absorber);
+                self.waiting[absorber].impulse = R::larger(self.waiting[absorber].impulse, impulse);
             }
         }
         self.settle();

@@ -21,7 +21,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     }
 
     /// Applies the impact law to a state in contact, and counts and lists the impact.
-    pub(super) fn strike(&mut self, before: &S::State) {
+    pub(super) fn strike(&mut self, before: &S::State) -> Impact<R> {
         let (after, impact) = self.system.impact(before, self.progress.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
@@ -31,6 +31,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.progress = self.progress.struck(true, &counted);
         self.tally.state = after;
         self.list(&impact, [before, &after], false);
+        impact
     }
 
     /// The impact law of the absorber at hand at its wall.

@@ -3,27 +3,30 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::tangent::{released, saltation};
+use super::together::Grown;
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
+use crate::absorber::several::{Several, SeveralState};
 use crate::absorber::{Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
+use crate::host::Host;
 use crate::segment::flight::Motion;
 
 /// Standard deviation of the rounding error of an increment, in units of 2⁻⁵³ of it.
-const ROUNDING: f64 = 0.7;
+pub(super) const ROUNDING: f64 = 0.7;
 /// Standard deviation of the correlated rounding errors of rebounds on one wall, in units of 2⁻⁵³ of
 /// [`Differentiable::sizes`]: each comes from several roundings.
 const ALIKE: f64 = 1.5;
 /// The estimate in standard deviations.
-const DEVIATIONS: f64 = 4.0;
+pub(super) const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
-const UNIT: f64 = 0.5 * f64::EPSILON;
+pub(super) const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Relative change of the approach speed by an error above which an impact counts as close to a grazing.
-const GRAZING: f64 = 0.01;
+pub(super) const GRAZING: f64 = 0.01;
 
 /// Error of an impact time in 1/ωn above which nothing more is estimated.
-const LOST: f64 = 1.0;
+pub(super) const LOST: f64 = 1.0;
 
 /// The estimated error of one impact time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +35,8 @@ pub struct TimeError {
     pub time: Option<f64>,
     /// True if errors of this size could turn the impact into a grazing, or remove it.
     pub grazing: bool,
-    /// Its approach speed, by which it is found if it is not to be listed after all.
+    /// Its absorber and its approach speed, by which it is found if it is not to be listed after all.
+    absorber: u8,
     speed: f64,
 }
 
@@ -70,6 +74,8 @@ pub struct Errors {
     plain: bool,
     /// True once the estimate has reached [`LOST`].
     lost: bool,
+    /// Those of several absorbers.
+    together: Option<Box<Grown>>,
     /// One estimate for each listed impact.
     pub impacts: Vec<TimeError>,
     condition: f64,
@@ -91,6 +97,7 @@ impl Default for Errors {
             tail: None,
             plain: false,
             lost: false,
+            together: None,
             impacts: Vec::new(),
             condition: 0.0,
             relative: 0.0,
@@ -289,7 +296,60 @@ impl Errors {
         let error = error + UNIT * impact.time;
         self.relative = self.relative.max(error / impact.time.max(1.0));
         let time = (!self.lost).then_some(error);
-        self.impacts.push(TimeError { time, grazing, speed: impact.approach_speed() });
+        let (absorber, speed) = (impact.absorber, impact.approach_speed());
+        self.impacts.push(TimeError { time, grazing, absorber, speed });
+    }
+
+    /// Removes impacts that are not to be listed.
+    fn forget(&mut self, absorber: u8, first: u64, floor: f64) {
+        let mut index = 0;
+        self.impacts.retain(|impact| {
+            let mine = impact.absorber == absorber;
+            index += u64::from(mine);
+            !mine || index <= first || impact.speed > floor
+        });
+    }
+}
+
+impl<H: Host<Real = f64>> Observer<Several<H>> for Errors {
+    fn start(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>, _duration: f64) {
+        *self = Self { plain: self.plain, ..Self::default() };
+        self.together = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
+    }
+
+    fn looks_within(&self) -> bool {
+        false
+    }
+
+    fn contact(&mut self, system: &Several<H>, contact: &Contact<'_, SeveralState<H>>) {
+        let (Some(grown), false) = (&mut self.together, self.lost) else { return };
+        let Contact { time, states, summed } = *contact;
+        if !summed {
+            (self.last, self.tail) = (grown.struck(system, time, states), None);
+            (self.lost, self.condition) = (grown.lost, grown.condition);
+        } else if self.tail.is_none() {
+            self.tail = Some(grown.of_tail(system, states[1]));
+        }
+    }
+
+    fn stick(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
+        if let Some(grown) = &mut self.together {
+            grown.stick(system, &from.state);
+        }
+    }
+
+    fn release(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
+        if let Some(grown) = &mut self.together {
+            grown.release(system, from.time.value, &from.state);
+        }
+    }
+
+    fn impact(&mut self, _system: &Several<H>, impact: &Impact) {
+        self.list(impact);
+    }
+
+    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+        self.forget(absorber, first, floor);
     }
 }
 
@@ -345,12 +405,8 @@ impl<S: Differentiable> Observer<S> for Errors {
         self.list(impact);
     }
 
-    fn unlist(&mut self, _absorber: u8, first: u64, floor: f64) {
-        let mut index = 0;
-        self.impacts.retain(|impact| {
-            index += 1;
-            index <= first || impact.speed > floor
-        });
+    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+        self.forget(absorber, first, floor);
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {

@@ -44,9 +44,10 @@ impl fmt::Display for Regime {
 
 /// The regime of the last strobes. The period is the shortest m for which each of the last 20 states equals
 /// the one m cycles before within 1e-6 of the amplitude (velocities over Ω). `None` if there are fewer than
-/// 28 strobes and no period is found.
+/// 28 strobes and no period is found. There is a strobe for each absorber at every instant.
 pub(super) fn regime<R: Real>(
     strobes: &VecDeque<Strobe<R>>,
+    absorbers: usize,
     impacts: u64,
     amplitude: R,
     frequency: R,
@@ -54,9 +55,14 @@ pub(super) fn regime<R: Real>(
     if impacts == 0 {
         return Some(Regime::NoImpacts);
     }
-    let back = |k: usize| &strobes[strobes.len() - 1 - k];
-    for cycles in 1..=LONGEST.min(strobes.len().saturating_sub(RETURNS)) {
-        let comes_back = |k: usize| close(back(k), back(k + cycles), amplitude, frequency);
+    let instants = strobes.len() / absorbers.max(1);
+    let of = |k: usize, absorber: usize| &strobes[(instants - 1 - k) * absorbers + absorber];
+    let back = |k: usize| of(k, 0);
+    for cycles in 1..=LONGEST.min(instants.saturating_sub(RETURNS)) {
+        let comes_back = |k: usize| {
+            let returns = |j| close(of(k, j), of(k + cycles, j), amplitude, frequency);
+            (0..absorbers).all(returns)
+        };
         if (0..RETURNS).all(comes_back) {
             // Counted over whole periods, because an impact at the instant of a strobe may fall on either
             // side.
@@ -66,7 +72,7 @@ pub(super) fn regime<R: Real>(
             return Some(Regime::Periodic { impacts, cycles: cycles as u64 });
         }
     }
-    (strobes.len() >= RETURNS_KEPT).then_some(Regime::Modulated)
+    (instants >= RETURNS_KEPT).then_some(Regime::Modulated)
 }
 
 fn close<R: Real>(a: &Strobe<R>, b: &Strobe<R>, amplitude: R, frequency: R) -> bool {
@@ -85,6 +91,7 @@ mod tests {
     fn strobes(states: &[f64], impacts: u64, count: u64) -> VecDeque<Strobe> {
         let strobe = |cycle: u64| Strobe {
             cycle,
+            absorber: 0,
             time: cycle as f64,
             displacement: states[cycle as usize % states.len()],
             velocity: 0.0,
@@ -96,11 +103,23 @@ mod tests {
         (0..count).map(strobe).collect()
     }
 
+    /// Of two absorbers the first comes back every cycle, the other every second one.
+    #[test]
+    fn all_absorbers_must_come_back() {
+        let one = strobes(&[0.5], 2, 40);
+        let both = one.iter().flat_map(|strobe| {
+            let w = if strobe.cycle % 2 == 0 { 0.1 } else { 0.2 };
+            [*strobe, Strobe { absorber: 1, gap_velocity: w, ..*strobe }]
+        });
+        let named = regime(&both.collect(), 2, 80, 1.0, 1.0).map(|regime| regime.to_string());
+        assert_eq!(named.as_deref(), Some("4:2"));
+    }
+
     #[test]
     fn the_shortest_period_is_named() {
         let named = |states: &[f64], impacts, count| {
             let strobes = strobes(states, impacts, count);
-            regime(&strobes, impacts * count, 1.0, 1.0).map(|regime| regime.to_string())
+            regime(&strobes, 1, impacts * count, 1.0, 1.0).map(|regime| regime.to_string())
         };
         assert_eq!(named(&[0.5], 2, 28).as_deref(), Some("2:1"));
         assert_eq!(named(&[0.5], 2, 21).as_deref(), Some("2:1"));

@@ -15,6 +15,8 @@ use crate::segment::flight::{GapPoint, Motion, Quantity};
 pub struct Strobe<R = f64> {
     /// Index of the strobe, 0 for the first at or after time zero.
     pub cycle: u64,
+    /// The index of the absorber: of several there is a strobe of each at every instant.
+    pub absorber: u8,
     /// Instant, in 1/ωn.
     pub time: R,
     /// Displacement of the primary.
@@ -35,6 +37,14 @@ pub struct Strobe<R = f64> {
 pub(crate) trait Strobed<R> {
     /// Structure and absorber a time h after its begin.
     fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>);
+    /// How many absorbers move.
+    fn absorbers(&self) -> usize {
+        1
+    }
+    /// The gap of the absorber of this index.
+    fn gap_of(&mut self, _absorber: usize, h: R) -> GapPoint<R> {
+        self.place(h).1
+    }
     /// The larger of `least` and the largest |x| in a part, which ends at the last strobe or at its end.
     fn largest(&mut self, h: [R; 2], least: R) -> R;
 }
@@ -45,6 +55,14 @@ pub(super) struct Spanned<'a, 'b, M: Motion>(pub &'a Span<'b, M>);
 impl<R: Real, M: Motion<Real = R>> Strobed<R> for Spanned<'_, '_, M> {
     fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>) {
         self.0.motion.place(h)
+    }
+
+    fn absorbers(&self) -> usize {
+        self.0.motion.absorbers()
+    }
+
+    fn gap_of(&mut self, absorber: usize, h: R) -> GapPoint<R> {
+        self.0.motion.gap_of(absorber, h)
     }
 
     fn largest(&mut self, h: [R; 2], least: R) -> R {
@@ -84,7 +102,17 @@ impl<R: Real> Steady<R> {
             let (primary, gap) = motion.place(at);
             self.until(motion, [from, at]);
             from = from.max(at);
-            self.keep(primary, gap, instant.value.max(0.0));
+            let instant = instant.value.max(0.0);
+            self.absorbers = motion.absorbers().max(1);
+            if self.absorbers == 1 {
+                self.keep(primary, (0, gap), instant);
+            } else {
+                for absorber in 0..self.absorbers {
+                    let gap = motion.gap_of(absorber, at);
+                    self.keep(primary, (absorber as u8, gap), instant);
+                }
+            }
+            self.current = R::ZERO;
             self.pass_strobe();
         }
         self.until(motion, [from, length]);
@@ -109,9 +137,10 @@ impl<R: Real> Steady<R> {
         self.instant = self.window.instant(self.next);
     }
 
-    fn keep(&mut self, primary: Point<R>, gap: GapPoint<R>, time: R) {
+    fn keep(&mut self, primary: Point<R>, (absorber, gap): (u8, GapPoint<R>), time: R) {
         self.strobes.push_back(Strobe {
             cycle: self.next,
+            absorber,
             time,
             displacement: primary.x,
             velocity: primary.v,
@@ -120,9 +149,8 @@ impl<R: Real> Steady<R> {
             amplitude: self.current.max(primary.x.abs()),
             impacts: self.impacts,
         });
-        if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
+        if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT * self.absorbers {
             self.strobes.pop_front();
         }
-        self.current = R::ZERO;
     }
 }

@@ -1,0 +1,156 @@
+//! Reading of the section `[absorber]` or of several sections `[[absorber]]`, and of lists in `[start]`.
+
+use iva_sweep::choices::{CHOICES, Choices, Kind};
+use iva_sweep::design::Spec;
+use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::slot::Slot;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Error;
+use crate::source::Source;
+use crate::value::{Key, Value, at, entries, name, number, one_of, table, unknown_key};
+
+/// A section of an absorber, with the place that is named if something is missing in it.
+#[derive(Debug)]
+pub(crate) struct Section<'a, 't> {
+    table: &'a DeTable<'t>,
+    span: std::ops::Range<usize>,
+}
+
+/// The sections of all absorbers.
+///
+/// # Errors
+/// At the section that is none.
+pub(crate) fn sections<'a, 't>(
+    source: &Source,
+    key: &'a Key<'t>,
+    value: &'a Value<'t>,
+) -> Result<Vec<Section<'a, 't>>, Error> {
+    let name = Part::Absorber.name();
+    let items = match value.get_ref() {
+        DeValue::Array(items) if items.iter().all(|item| item.get_ref().is_table()) => &items[..],
+        _ => {
+            return Ok(vec![Section { table: table(source, name, key, value)?, span: key.span() }]);
+        }
+    };
+    let section = |item: &'a Value<'t>| {
+        let span = if items.len() > 1 { item.span() } else { key.span() };
+        Ok(Section { table: table(source, name, key, item)?, span })
+    };
+    items.iter().map(section).collect()
+}
+
+/// Path of a key in the section of the absorber with this number, of so many.
+fn path(name: &str, number: usize, count: usize) -> String {
+    match count {
+        1 => format!("{}.{name}", Part::Absorber.name()),
+        _ => format!("{}.{number}.{name}", Part::Absorber.name()),
+    }
+}
+
+/// Reads the choices given by words into a spec without numbers. The kind of an absorber comes first, since its other choices and
+/// its numbers depend on it.
+///
+/// # Errors
+/// For a missing kind, an unknown word, and a list that a spec does not take.
+pub(crate) fn spec(source: &mut Source, sections: &[Section<'_, '_>]) -> Result<Spec, Error> {
+    let count = sections.len();
+    let mut all = Vec::with_capacity(count);
+    for (number, section) in sections.iter().enumerate() {
+        let mut choices = Choices::default();
+        for choice in &CHOICES {
+            let path = path(choice.name, number, count);
+            let Some((key, value)) = section.table.get_key_value(choice.name) else {
+                if choice.name == "kind" {
+                    let rule = format!("{path} is missing: give {}", one_of(choice.words));
+                    return Err(source.error(section.span.clone(), rule));
+                }
+                continue;
+            };
+            let find = |word: &str| choice.words.iter().find(|other| **other == word).copied();
+            let word = name(source, &path, value, choice.words, find)?;
+            choices
+                .choose(choice.name, word)
+                .map_err(|invalid| at(source, value.span(), &invalid))?;
+            source.note(path, key.span().start..value.span().end);
+        }
+        all.push(choices);
+    }
+    Spec::several(&all).map_err(|invalid| source.locate(&invalid))
+}
+
+/// Reads the numbers of all absorbers into their spec.
+///
+/// # Errors
+/// At the first unknown key or invalid value.
+pub(crate) fn read(
+    source: &mut Source,
+    sections: &[Section<'_, '_>],
+    spec: &mut Spec,
+) -> Result<(), Error> {
+    let (part, count) = (Part::Absorber, sections.len());
+    for (absorber, section) in sections.iter().enumerate() {
+        source.note(part.name().to_owned(), section.span.clone());
+        if count > 1 {
+            source.note(format!("{}.{absorber}", part.name()), section.span.clone());
+        }
+        for (key, value) in entries(section.table) {
+            let bare = key.get_ref().as_ref();
+            if CHOICES.iter().any(|choice| choice.name == bare) {
+                continue;
+            }
+            let Some(field) = FieldId::find(part, bare) else {
+                let known = known_keys(part, spec.choices_of(absorber).kind);
+                return Err(unknown_key(source, part.name(), key, &known));
+            };
+            let slot = Slot::of_absorber(field, absorber, count);
+            let number = number(source, &slot.path(), value, field.info().allowed)?;
+            spec.set(slot, number).map_err(|invalid| at(source, value.span(), &invalid))?;
+            source.note(slot.path(), key.span().start..value.span().end);
+        }
+    }
+    Ok(())
+}
+
+/// Reads a field of `[start]` that is given as a list with a number for each absorber.
+///
+/// # Errors
+/// For a list of another length, and at an invalid number.
+pub(crate) fn read_starts(
+    source: &mut Source,
+    field: FieldId,
+    key: &Key<'_>,
+    (value, items): (&Value<'_>, &[Value<'_>]),
+    spec: &mut Spec,
+) -> Result<(), Error> {
+    let count = spec.count();
+    if items.len() != count || count == 1 {
+        let rule = match count {
+            1 => "there is one absorber, so give one number".to_owned(),
+            _ => format!("give a number, or a list of {count}, one for each absorber"),
+        };
+        return Err(source.bad_value(&field.path(), value.span(), &rule));
+    }
+    for (absorber, item) in items.iter().enumerate() {
+        let slot = Slot::of_absorber(field, absorber, count);
+        let number = number(source, &slot.path(), item, field.info().allowed)?;
+        spec.set(slot, number).map_err(|invalid| at(source, item.span(), &invalid))?;
+        source.note(slot.path(), key.span().start..value.span().end);
+    }
+    Ok(())
+}
+
+/// The keys that the section of a part may have with a kind of absorber, numeric fields first.
+pub(crate) fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
+    let numbers = FieldId::all()
+        .map(FieldId::info)
+        .filter(|info| info.part == part && info.kinds.contains(&kind))
+        .map(|info| info.name);
+    let words =
+        CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
+    let others: &[&str] = match part {
+        Part::Run => &["tables", "measures", "samples_per_period", "errors"],
+        _ => &[],
+    };
+    numbers.chain(words.map(|choice| choice.name)).chain(others.iter().copied()).collect()
+}
