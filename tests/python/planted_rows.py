@@ -351,7 +351,7 @@ class Motion:
             for other, on in enumerate(self.stuck):
                 if other != k and not on:
                     self.state[3 + 2 * other] -= change
-            self._stick(k, wall, self.time + rest, 0.0 if near == [k] else 9.0 * FLOOR / abs(pull))
+            self._stick(k, wall, self.time + rest, 0.0 if near == [k] else 50.0 * FLOOR / abs(pull))
 
 
 def rooted(of: Callable[[float], float], left: float, right: float) -> float:

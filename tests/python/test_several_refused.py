@@ -14,6 +14,7 @@ import iva
 SIVA = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5)
 NARROW = iva.Siva(mass_ratio=0.05, clearance=0.2, restitution=0.8)
 PIVA = iva.Piva(mass_ratio=0.1, clearance=0.5, restitution=0.5, frequency_ratio=0.4, length=5.0)
+RISING = iva.Siva(mass_ratio=0.05, clearance=0.2, restitution=0.8, inclination=0.5, gravity=0.2)
 TWO = [SIVA, NARROW]
 
 
@@ -29,8 +30,8 @@ def sweep(over: dict[str, Any], absorbers: Any = TWO, **start: Any) -> iva.Table
 
 # what is called, its exception, pieces of the message
 CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] = {
-    "an empty list": (lambda: simulate([]), ValueError, ("absorber", "1 to 8")),
-    "an empty tuple": (lambda: simulate(()), ValueError, ("absorber", "1 to 8")),
+    "an empty list": (lambda: simulate([]), ValueError, ("absorber = []", "iva.Siva")),
+    "an empty tuple": (lambda: simulate(()), ValueError, ("absorber = ()", "iva.Siva")),
     "nine": (lambda: simulate([SIVA] * 9), ValueError, ("absorber", "9", "1 to 8")),
     "none in it": (lambda: simulate([SIVA, None]), TypeError, ("absorber[1]", "None", "iva.Siva")),
     "only none": (lambda: simulate([None]), TypeError, ("absorber[0]", "None", "iva.Siva")),
@@ -45,17 +46,17 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "too few places": (
         lambda: simulate(TWO, gap_displacement=[0.1]),
         ValueError,
-        ("start.gap_displacement", "2", "1"),
+        ("start.gap_displacement = [0.1]", "a list of 2"),
     ),
     "too many places": (
         lambda: simulate(TWO, gap_displacement=[0.1, 0.1, 0.1]),
         ValueError,
-        ("start.gap_displacement", "2", "3"),
+        ("start.gap_displacement = [0.1, 0.1, 0.1]", "a list of 2"),
     ),
     "too many speeds": (
         lambda: simulate(TWO, gap_velocity=[0.1, 0.1, 0.1]),
         ValueError,
-        ("start.gap_velocity", "2", "3"),
+        ("start.gap_velocity = [0.1, 0.1, 0.1]", "a list of 2"),
     ),
     "no places": (
         lambda: simulate(TWO, gap_displacement=[]),
@@ -65,12 +66,12 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "places of one": (
         lambda: simulate(SIVA, gap_displacement=[0.1, 0.2]),
         ValueError,
-        ("start.gap_displacement",),
+        ("start.gap_displacement = [0.1, 0.2]", "one absorber", "one number"),
     ),
     "places of none": (
         lambda: simulate(None, gap_displacement=[0.1, 0.2]),
         ValueError,
-        ("start.gap_displacement",),
+        ("start.gap_displacement", "no absorber"),
     ),
     "a text among places": (
         lambda: iva.Start(gap_displacement=[0.1, "0.2"]),  # type: ignore[list-item,arg-type,unused-ignore]
@@ -115,7 +116,7 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "one place outside of the second gap": (
         lambda: simulate(TWO, gap_displacement=0.3),
         ValueError,
-        ("gap_displacement = 0.3", "-0.2 to 0.2"),
+        ("start.1.gap_displacement = 0.3", "-0.2 to 0.2"),
     ),
     "outside by its offset": (
         lambda: simulate(
@@ -150,6 +151,16 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
         ValueError,
         ("start.2.gap_displacement",),
     ),
+    "an axis of one and of all": (
+        lambda: sweep({"clearance": [0.1], "absorber.1.clearance": [0.3]}),
+        ValueError,
+        ("absorber.1.clearance", "sweep.clearance"),
+    ),
+    "a line that rises": (
+        lambda: simulate([SIVA, RISING]),
+        ValueError,
+        ("absorber.1.inclination = 0.5", "level"),
+    ),
     "an axis that is no number": (
         lambda: sweep({"absorber.first.clearance": [0.1]}),
         ValueError,
@@ -163,7 +174,7 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "an axis with a slip": (
         lambda: sweep({"absorber.1.clearence": [0.1]}),
         ValueError,
-        ("absorber.1.clearence", "did you mean `absorber.1.clearance`?"),
+        ("absorber.1.clearence", "no such field"),
     ),
     "an axis of one absorber": (
         lambda: sweep({"absorber.1.clearance": [0.1]}, SIVA),
@@ -178,12 +189,12 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "a value out of range": (
         lambda: sweep({"absorber.1.clearance": [0.4, -0.1]}),
         ValueError,
-        ("absorber.1.clearance = -0.1", "greater than 0"),
+        ("absorber.1.clearance[1] = -0.1", "greater than 0"),
     ),
     "a restitution out of range": (
         lambda: sweep({"absorber.0.restitution": [1.5]}),
         ValueError,
-        ("absorber.0.restitution = 1.5", "0 to 1"),
+        ("absorber.0.restitution[0] = 1.5", "0 to 1"),
     ),
     "two axes for one": (
         lambda: sweep({"absorber.1.clearance": [0.1], "absorber.1.gap": [0.3]}),
@@ -193,7 +204,7 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
     "a start outside at a point": (
         lambda: sweep({"start.1.gap_displacement": [0.1, 0.3]}),
         ValueError,
-        ("start.1.gap_displacement = 0.3", "-0.2 to 0.2"),
+        ("start.1.gap_displacement = 0.3", "-0.2 to 0.2", "point 1"),
     ),
 }
 
@@ -212,19 +223,17 @@ def test_one_sentence_says_what_is_wrong(what: str) -> None:
 
 
 def test_pendulums_stand_alone() -> None:
-    for row in ([PIVA], [SIVA, PIVA], [PIVA, PIVA]):
-        with pytest.raises((TypeError, ValueError)) as caught:
+    assert simulate([PIVA]).impacts.equals(simulate(PIVA).impacts)
+    for place, row in ((1, [SIVA, PIVA]), (0, [PIVA, SIVA]), (0, [PIVA, PIVA])):
+        with pytest.raises(ValueError, match=rf"^absorber\.{place}\.kind = .* all are free masses"):
             simulate(row)
-        said = str(caught.value)
-        assert "\n" not in said
-        assert "absorber" in said
 
 
 def test_what_a_list_leaves_as_it_was() -> None:
     """Eight are allowed, and the list itself is not kept: a change of it changes no run."""
     row: list[Any] = [SIVA] * 8
     run = simulate(row)
-    assert run.absorbers.height == 8  # type: ignore[attr-defined,unused-ignore]
+    assert run.absorbers.height == 8
     shown = repr(run)
     row.clear()
     assert repr(run) == shown
