@@ -103,6 +103,8 @@ def checked_lists(absorber: object, start: Start) -> None:
             continue
         if count > 1:
             rule = f"give a number, or a list of {count}, one for each absorber"
+        elif absorber is None:
+            rule = "there is no absorber; leave it out"
         else:
             rule = "there is one absorber, so give one number"
         raise ValueError(f"start.{name} = {shown(list(values))}: {rule}")

@@ -72,14 +72,15 @@ pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, lower_stop: 
 /// gap.
 pub(crate) fn misplaced<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
     let offsets = [FieldId::GapOffset, FieldId::GapOffsetMm];
-    let offset = offsets.into_iter().find_map(|field| Some((field, given.spec.get(field)?)));
+    let own = |field| given.spec.get_of(given.absorber, field);
+    let offset = offsets.into_iter().find_map(|field| Some((field, own(field)?)));
     match offset {
         Some((field, value))
-            if error.field == FieldId::GapDisplacement.path()
+            if error.field == given.path(FieldId::GapDisplacement)
                 && given.get(FieldId::GapDisplacement).is_none() =>
         {
             let rule = "the mass starts at y = 0, outside the gap; give start.gap_displacement too";
-            Invalid::new(field.path(), number(value), rule)
+            Invalid::new(given.path(field), number(value), rule)
         }
         _ => error,
     }

@@ -7,6 +7,7 @@ use iva_core::force::Force;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
+use super::free_mass;
 use super::given::Given;
 use super::pendulum::Common;
 use super::restitution;
@@ -62,10 +63,13 @@ pub(super) fn scene<R: Real>(
 fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
     let named = error.field.strip_prefix("start.").and_then(|rest| rest.split_once('.'));
     let found = named.and_then(|(place, name)| {
-        let owner = given.spec.owners().nth(place.parse().ok()?)?;
-        Some(given.of(owner).path(FieldId::find(Part::Start, name)?))
+        let owner = given.of(given.spec.owners().nth(place.parse().ok()?)?);
+        Some((owner, owner.path(FieldId::find(Part::Start, name)?)))
     });
-    Invalid { field: found.unwrap_or(error.field.clone()), ..error }
+    match found {
+        Some((owner, field)) => free_mass::misplaced(&owner, Invalid { field, ..error }),
+        None => error,
+    }
 }
 
 /// One unit of an absorber, which has so many.
