@@ -29,7 +29,6 @@ Values = NDArray[np.float64]
 
 #: Steps this short have a dense output right to some 1e-15 where frequencies are below 2.
 STEP = 0.05
-#: Samples of a step: an excursion between two of them is looked for by the sign of w.
 SAMPLES = 6
 #: A pressed mass that rebounds slower than this stays on its stop.
 FLOOR = 1e-9
