@@ -171,8 +171,12 @@ def checked(part: Part) -> None:
             if not values:
                 rule = "give a number, or a list with one for each absorber"
                 raise ValueError(f"{part._part}.{name} = []: {rule}")
-            for value in values:
-                _iva.check(part._part, [(name, value)])
+            for place, value in enumerate(values):
+                try:
+                    _iva.check(part._part, [(name, value)])
+                except ValueError as error:
+                    path = f"{part._part}.{name}"
+                    raise ValueError(str(error).replace(path, f"{path}[{place}]", 1)) from None
     first = (value[0] if isinstance(value, tuple) else value for value in fields_given.values())
     _iva.check(part._part, list(zip(fields_given, first, strict=True)))
 
@@ -569,6 +573,8 @@ def add(fields_given: Spec, part: Part | None, place: str) -> None:
         assert part is not None
         if isinstance(value, tuple):
             for number_, one in enumerate(value):
-                fields_given[f"{part._part}.{number_}.{name}"] = one
+                # Of one absorber fields have no number.
+                own = f"{number_}." if len(value) > 1 else ""
+                fields_given[f"{part._part}.{own}{name}"] = one
         else:
             fields_given[f"{part._part}.{place}{name}"] = value

@@ -99,11 +99,12 @@ def checked_lists(absorber: object, start: Start) -> None:
     count = len(absorber) if isinstance(absorber, (list, tuple)) else 1
     for name in start._of_each:
         values = getattr(start, name)
-        if not isinstance(values, tuple) or (len(values) == count and count > 1):
+        none = absorber is None
+        if not isinstance(values, tuple) or (len(values) == count and not none):
             continue
         if count > 1:
             rule = f"give a number, or a list of {count}, one for each absorber"
-        elif absorber is None:
+        elif none:
             rule = "there is no absorber; leave it out"
         else:
             rule = "there is one absorber, so give one number"

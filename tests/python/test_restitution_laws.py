@@ -133,7 +133,7 @@ def test_a_gradient_is_the_slope_of_differences() -> None:
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ({"restitution": 0.5, "yield_speed": 0.1}, "restitution is given as well; give one of them"),
+        ({"restitution": 0.5, "yield_speed": 0.1}, "restitution is given as well; give one"),
         ({"restitution": 0.5, "restitution_exponent": 0.5}, "give reference_speed too"),
         ({"reference_speed": 0.5}, "absorber.restitution is missing"),
         (

@@ -124,7 +124,7 @@ pub(crate) fn read_starts(
     spec: &mut Spec,
 ) -> Result<(), Error> {
     let count = spec.count();
-    if items.len() != count || count == 1 {
+    if items.len() != count {
         let rule = match count {
             1 => "there is one absorber, so give one number".to_owned(),
             _ => format!("give a number, or a list of {count}, one for each absorber"),

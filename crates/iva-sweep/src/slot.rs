@@ -2,7 +2,7 @@
 
 use iva_core::error::Invalid;
 
-use crate::fields::{Field, FieldId, Part};
+use crate::fields::{Field, FieldId, Part, nearest};
 
 /// A field, and for a field of a force or of an absorber in a list its number there, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -45,7 +45,11 @@ impl Slot {
             Some(field) => Ok(Self { field, number: Some(number) }),
             None => {
                 let of = if part == Part::Force { "a force" } else { "an absorber" };
-                let rule = format!("no such field of {of}");
+                let known = FieldId::all().filter(|id| id.info().part == part && listed(id));
+                let near = nearest(name, known.map(|id| id.info().name));
+                let near =
+                    near.map(|near| format!("; did you mean `{}.{number}.{near}`?", part.name()));
+                let rule = format!("no such field of {of}{}", near.unwrap_or_default());
                 Err(Invalid::new("sweep key", format!("`{key}`"), rule))
             }
         }
@@ -88,6 +92,8 @@ impl Slot {
 fn numbered(key: &str) -> Option<(Part, usize, &str)> {
     let (part, rest) = key.split_once('.')?;
     let part = [Part::Force, Part::Absorber, Part::Start].into_iter().find(|it| it.name() == part);
-    let (number, name) = rest.split_once('.')?;
-    Some((part?, number.parse().ok()?, name))
+    let (digits, name) = rest.split_once('.')?;
+    let number: usize = digits.parse().ok()?;
+    // One key for each field: no 01.
+    (number.to_string() == digits).then_some((part?, number, name))
 }

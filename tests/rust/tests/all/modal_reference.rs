@@ -185,18 +185,15 @@ fn furthest<R: Real>(
     (worst, count)
 }
 
-/// Stick episodes of scenes in which a mass is released while another one stays stuck are cut there by the event loop.
-fn kinds(scene: &Value) -> &'static [&'static str] {
-    if scene["id"] == "frame on a base" { &["impact"] } else { &["impact", "stick", "release"] }
-}
+/// All that the reference lists.
+const KINDS: [&str; 3] = ["impact", "stick", "release"];
 
 /// In doubles, in rounding units of 2⁻⁵³ (condition + τ).
 #[test]
 fn doubles_are_within_their_conditioning() {
     let mut total = 0;
     for scene in scenes() {
-        let (off, count) =
-            furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, kinds(&scene));
+        let (off, count) = furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, &KINDS);
         println!("{}: {} rounding units in {count} events", scene["id"], off / U);
         assert!(off / U < 4.0, "{}: {} rounding units", scene["id"], off / U);
         total += count;
@@ -209,7 +206,7 @@ fn doubles_are_within_their_conditioning() {
 fn twice_the_precision_has_22_digits() {
     for scene in scenes() {
         let (found, end) = events_of::<Twofold>(&scene);
-        let (off, count) = furthest(&scene, &found, |it| it, kinds(&scene));
+        let (off, count) = furthest(&scene, &found, |it| it, &KINDS);
         println!("{}: {off:e} in {count} events", scene["id"]);
         assert!(off < 1e-22, "{}: {off:e}", scene["id"]);
         let condition = scene["end"]["condition"].as_f64().unwrap();
@@ -222,12 +219,10 @@ fn twice_the_precision_has_22_digits() {
 
 /// A mass is released while another stays stuck: its episode ends, and that of the other does not.
 #[test]
-#[ignore = "the event loop ends the episodes of all stuck masses at a release (engine/simulate/together.rs, let_go_all)"]
 fn a_release_ends_no_other_episode() {
     assert!(scenes().iter().any(|it| it["id"] == "frame on a base"), "made by modal.py --all");
     for scene in scenes() {
-        let all = ["impact", "stick", "release"];
-        let (off, _) = furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, &all);
+        let (off, _) = furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, &KINDS);
         assert!(off / U < 4.0, "{}: {} rounding units", scene["id"], off / U);
     }
 }
