@@ -215,3 +215,29 @@ def test_an_optimum_is_found_for_two() -> None:
     ).summary
     best = table.sort("settling_time_5")["absorber.1.clearance"][0]
     assert found.best["absorber.1.clearance"] == best
+
+
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [
+        ("absorber.1.clearence", r"did you mean `absorber\.1\.clearance`"),
+        ("absorber.01.clearance", "no such field"),
+        ("start.1.displacement", "no such field of an absorber"),
+    ],
+)
+def test_a_misspelt_key_is_refused(key: str, told: str) -> None:
+    """With the nearest one that there is."""
+    with pytest.raises(ValueError, match=told):
+        iva.sweep(PAIR, PRIMARY, over={key: [0.2, 0.3]}, start=START, periods=5)
+
+
+def test_lists_of_one_are_taken() -> None:
+    """A program that builds lists of any length needs no case of its own for one."""
+    listed, plain = (
+        iva.simulate(absorber, PRIMARY, start=start, periods=5)  # type: ignore[arg-type]
+        for absorber, start in (
+            ([HEAVY], iva.Start(displacement=1.0, gap_displacement=[0.1], gap_velocity=[0.2])),
+            (HEAVY, iva.Start(displacement=1.0, gap_displacement=0.1, gap_velocity=0.2)),
+        )
+    )
+    assert listed.impacts.equals(plain.impacts)
