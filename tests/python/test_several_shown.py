@@ -234,7 +234,7 @@ def test_a_misspelt_key_is_refused(key: str, told: str) -> None:
 def test_lists_of_one_are_taken() -> None:
     """A program that builds lists of any length needs no case of its own for one."""
     listed, plain = (
-        iva.simulate(absorber, PRIMARY, start=start, periods=5)  # type: ignore[arg-type]
+        iva.simulate(absorber, PRIMARY, start=start, periods=5)
         for absorber, start in (
             ([HEAVY], iva.Start(displacement=1.0, gap_displacement=[0.1], gap_velocity=[0.2])),
             (HEAVY, iva.Start(displacement=1.0, gap_displacement=0.1, gap_velocity=0.2)),
