@@ -62,7 +62,7 @@ def test_every_format_reads_the_same(tmp_path: Path, study: str, style: str) -> 
     # A pattern, if names were patterns.
     other = iva.read(command(tmp_path / "[other]", study, *STYLES[style]))
     assert other.tables == parquet.tables
-    assert len(parquet.tables) == (4 if "[sweep]" in study else 6)
+    assert len(parquet.tables) == (4 if "[sweep]" in study else 7)
     assert other.swept == parquet.swept
     assert other.units == parquet.units
     for name in parquet.tables:
