@@ -33,7 +33,7 @@ ROUGH = mpf("1e-11")
 
 SCENES: dict[str, dict[str, Any]] = {
     "power": {
-        "mu": "0.1", "gamma": "0.05", "zeta": "0.02", "tau_end": "6",
+        "mu": "0.1", "gamma": "0.05", "zeta": "0.02", "tau_end": "3",
         "law": "power", "numbers": ["0.7"], "exponent": [1, 5],
     },
     "plastic": {
@@ -127,8 +127,9 @@ def run(scene: dict[str, Any], changed: Callable[[Any], Any], lowest: Any) -> li
         x1, w1 = x + y, v + w
         h = mpf(0)
         if side != 0 and w == 0:
-            # Released: D = D' = D'' = 0.
-            h = 2 * side * motion.rates(x, v)[1] / motion.bound(4)
+            # Released: D = D' = D'' = 0, and D stays positive while t < 4 D'''/M4, and below d.
+            grows = 2 * side * motion.rates(x, v)[1] / motion.bound(4)
+            h = min(grows, (6 * d / motion.bound(3)) ** (mpf(1) / 3))
         while True:
             now = motion.at(h)
             gap, rate = x1 + w1 * h - now[0], w1 - now[1]
