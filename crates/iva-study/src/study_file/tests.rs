@@ -379,7 +379,7 @@ fn faults_of_several_absorbers_name_theirs() {
     };
     for (from, to, told) in [
         ("restitution = 0.7", "restitution = 1.7", "my.toml:12:15: absorber.1.restitution = 1.7"),
-        ("restitution = 0.7\n", "", "my.toml:10:1: absorber.1.restitution is missing"),
+        ("restitution = 0.7\n", "", "my.toml:9:1: absorber.1.restitution is missing"),
         ("restitution = 0.7", "length = 0.7", "only a pendulum (kind \"piva\") has it"),
         ("gap = 0.9", "gap = 0.3", "start.1.gap_displacement = -0.2: it must lie in the gap"),
         ("[0.1, -0.2]", "[0.1]", "give a number, or a list of 2, one for each absorber"),
