@@ -85,12 +85,14 @@ fn mass<R: Real>(
         let rule = "of several absorbers all are free masses (kind \"siva\")";
         return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
     }
-    for field in [FieldId::Inclination, FieldId::InclinationDeg, FieldId::Gravity] {
+    for field in [FieldId::Inclination, FieldId::InclinationDeg] {
         if let Some(value) = given.get(field).filter(|value| *value != 0.0) {
             let rule = "the line of motion of several absorbers is level; leave it out";
             return Err(Invalid::new(given.path(field), number(value), rule));
         }
     }
+    // Refuses gravity without an inclination.
+    free_mass::inclined(given, scale)?;
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
     let spread = given.get(FieldId::ClearanceSpread).unwrap_or(R::ZERO);
