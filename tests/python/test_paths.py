@@ -179,7 +179,11 @@ def test_every_row_is_a_run(absorber: str, force: str) -> None:
         parts = {"absorber": given["absorber"], "primary": given["primary"]}
         for key in over:
             part, field = key.split(".") if "." in key else ("absorber", key)
-            parts[part] = dataclasses.replace(parts[part], **{field: row[key]})
+            changed, value = parts[part], {field: row[key]}
+            if isinstance(changed, list):
+                parts[part] = [dataclasses.replace(one, **value) for one in changed]
+            else:
+                parts[part] = dataclasses.replace(changed, **value)
         run = iva.simulate(**(given | parts))
         for table in truth.tables:
             rows = getattr(truth, table).filter(pl.col("point") == point)
