@@ -66,7 +66,7 @@ pub(crate) fn note(source: &mut Source, entry: &Entry<'_, '_>, slot: Slot) {
     source.note_axis(slot, entry.span.clone());
 }
 
-/// The entries in the order of the file. TOML parses `absorber.mass = …` or `force.0.frequency = …` as nested
+/// The entries in the order of the file. TOML parses `absorber.mass = …` or `absorber.1.mass = …` as nested
 /// tables, which become entries with dotted keys again.
 fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
     let mut flat = Vec::new();
@@ -81,7 +81,9 @@ fn push_entries<'a, 't>(flat: &mut Vec<Entry<'a, 't>>, outer: &str, table: &'a D
         let inner = key.get_ref().as_ref();
         let name = if outer.is_empty() { inner.to_owned() } else { format!("{outer}.{inner}") };
         let is_part = outer.is_empty() && Part::ALL.iter().any(|part| part.name() == inner);
-        let is_number = outer == Part::Force.name() && inner.parse::<usize>().is_ok();
+        let lists = [Part::Force, Part::Absorber, Part::Start];
+        let is_list = lists.iter().any(|part| part.name() == outer);
+        let is_number = is_list && inner.parse::<usize>().is_ok();
         match value.get_ref() {
             DeValue::Table(table) if is_part || is_number => push_entries(flat, &name, table),
             _ => flat.push(Entry { key: name, span: key.span(), value }),

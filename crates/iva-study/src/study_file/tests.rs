@@ -358,6 +358,12 @@ fn several_absorbers_have_their_own_numbers() {
     assert_eq!([0, 1].map(|k| of(k, FieldId::GapDisplacement)), [Some(0.1), Some(-0.2)]);
     assert_eq!([0, 1].map(|k| of(k, FieldId::GapVelocity)), [Some(0.3); 2]);
     assert_eq!([0, 1].map(|k| of(k, FieldId::Gap)), [None, Some(1.0)]);
+    // Without quotes TOML reads nested tables.
+    for key in ["absorber.1.clearance", "start.1.gap_velocity"] {
+        let plain = good(&format!("{SEVERAL}[sweep]\n{key} = [0.3, 0.4]\n"));
+        let quoted = good(&format!("{SEVERAL}[sweep]\n\"{key}\" = [0.3, 0.4]\n"));
+        assert_eq!(plain.study, quoted.study);
+    }
     let all = good(&format!("{SEVERAL}[sweep]\nclearance = [0.3, 0.4]\n"));
     let spec = all.study.spec(1).unwrap();
     assert_eq!([0, 1].map(|k| spec.get_of(k, FieldId::Clearance)), [Some(0.4); 2]);
