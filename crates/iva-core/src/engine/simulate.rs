@@ -396,6 +396,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let leave = self.system.distance(&after);
         if riding {
             if !presses(&leave) {
+                self.tally.state = self.system.freed(&self.tally.state);
                 self.let_go();
             }
         } else if leave.value > 0.0 {

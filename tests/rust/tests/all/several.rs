@@ -536,3 +536,38 @@ fn the_extremes_are_those_of_each_mass() {
         }
     }
 }
+
+/// A force that sets in and ends at once frees a stuck mass in a list of one as it frees the free mass itself.
+#[test]
+fn a_jump_of_the_force_frees_one_in_a_list() {
+    let mut rng = Rng::new(83);
+    let mut episodes = 0;
+    for k in 0..60 {
+        let mut masses = [any_mass(&mut rng)];
+        masses[0][1] = rng.range(0.0, 0.4);
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let n = Twofold::from;
+        let listed = Several::new(n(0.02), masses.map(built)).unwrap();
+        let [mu, e, d, offset, y, w] = masses[0];
+        let siva = Siva::new(n(mu), n(e), n(d), n(0.02)).unwrap().with_offset(n(offset)).unwrap();
+        let step = |from: f64| {
+            let times = vec![from, from + 2.5];
+            let history = Arc::new(History::new(times, vec![-1.5, 1.5]).unwrap());
+            let record = Record { history, acts: Acts::Primary, rate: n(1.0), scale: n(1.0) };
+            Force::new(vec![], vec![record], &[]).unwrap()
+        };
+        let [displacement, velocity, gap_displacement, gap_velocity] = [at[0], at[1], y, w].map(n);
+        let alone = Start { displacement, velocity, gap_displacement, gap_velocity };
+        let limits = limits::<Twofold>(12.0);
+        let from = rng.range(1.0, 5.0);
+        let a = told(run(&listed.under(step(from)), &start(at, &masses), &limits));
+        let b = told(run(&siva.under(step(from)), &alone, &limits));
+        assert!(furthest(&a.0, &b.0) < 1e-12, "scene {k}");
+        assert_eq!(a.1.len(), b.1.len(), "scene {k}: episodes");
+        for (one, other) in a.1.iter().zip(&b.1) {
+            assert!((one - other).abs() < 1e-12, "scene {k}: {one} is {other} alone");
+        }
+        episodes += a.1.len() / 3;
+    }
+    assert!(episodes > 30, "{episodes} episodes");
+}
