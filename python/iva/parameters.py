@@ -290,8 +290,8 @@ class Siva(Part):
         Makes the restitution a power law of the approach speed u, 1 − a u^b and at least 0: this is
         the u > 0 at which it is `restitution`.
     restitution_exponent : float, optional
-        b of a power law, a quotient of whole numbers from 1 to 8; 0.2 by default, as of
-        viscoelastic spheres.
+        b of a power law, a quotient of whole numbers from 1 to 8 that is at most 1; 0.2 by default,
+        as of viscoelastic spheres.
     yield_speed : float, optional
         Makes the restitution that of elastic and perfectly plastic spheres: 1 up to this approach
         speed > 0, and falling from there on. It stands in the place of `restitution`.

@@ -13,6 +13,7 @@ import polars as pl
 import pytest
 
 import iva
+from iva import dynamics
 
 PRIMARY = iva.Primary(damping_ratio=0.01)
 START = iva.Start(displacement=1.0)
@@ -141,6 +142,10 @@ def test_a_gradient_is_the_slope_of_differences() -> None:
             "restitution_exponent = 0.21: give a quotient of whole numbers from 1 to 8",
         ),
         (
+            {"restitution": 0.5, "reference_speed": 1.0, "restitution_exponent": 1.5},
+            "restitution_exponent = 1.5: give a quotient of whole .* that is at most 1",
+        ),
+        (
             {"restitution": 0.5, "reference_speed": 0.0},
             "reference_speed = 0: give a number greater",
         ),
@@ -157,3 +162,20 @@ def test_an_exponent_has_no_gradient() -> None:
     absorber = siva(restitution=0.6, reference_speed=1.0, restitution_exponent=0.5)
     with pytest.raises(ValueError, match="sweep it"):
         run(absorber, gradients=["restitution_exponent"])
+
+
+def test_an_orbit_between_unlike_laws_is_not_symmetric() -> None:
+    """At low speeds the restitution of both walls is 1; at the speeds of the orbit it is not."""
+    force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    primary = iva.Primary(damping_ratio=0.05)
+    # The symmetric orbit A1 of the dynamics references lies nearby.
+    state = (-1.103, 0.327, -4.038, 3.256)
+    for more, symmetric in (({}, True), ({"restitution_minus": 0.66}, False)):
+        absorber = iva.Siva(
+            mass_ratio=0.2, restitution=0.7, clearance=4.5, reference_speed=3.2, **more
+        )
+        orbit = dynamics.orbit(absorber, primary, force=force, start=state)
+        assert isinstance(orbit, dynamics.Orbit)
+        assert orbit.symmetric is symmetric
+        assert len(orbit.impacts) == 2
+        assert orbit.residual < 1e-14

@@ -114,7 +114,7 @@ pub enum Allowed {
     UnitInterval,
     /// An integer from 1 to 2⁵³.
     PositiveInteger,
-    /// A quotient of whole numbers from 1 to 8.
+    /// A quotient of whole numbers from 1 to 8, at most 1.
     Exponent,
     /// A number of units, from 1 to 8.
     Units,
@@ -169,7 +169,9 @@ impl Allowed {
             Allowed::DampingRatio => "a number from 0 to 1e9",
             Allowed::UnitInterval => "a number from 0 to 1",
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
-            Allowed::Exponent => "a quotient of whole numbers from 1 to 8, such as 0.2",
+            Allowed::Exponent => {
+                "a quotient of whole numbers from 1 to 8 that is at most 1, such as 0.2"
+            }
             Allowed::Units => "a whole number from 1 to 8",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
@@ -181,14 +183,15 @@ impl Allowed {
     }
 }
 
-/// Numerator and denominator of a quotient of whole numbers from 1 to [`LARGEST_PART`], the smallest; `None` if a number is
-/// none.
+/// Numerator and denominator of a quotient of whole numbers from 1 to [`LARGEST_PART`] that is at most 1, the smallest;
+/// `None` if a number is none. (Above 1 the impulse of an impact could fall as its speed rises, and the largest would
+/// not be that of the fastest impact.)
 pub fn quotient(value: f64) -> Option<[u32; 2]> {
     let near = |[p, q]: &[u32; 2]| {
         let (exact, unit) = (f64::from(*p) / f64::from(*q), 4.0 * f64::EPSILON);
         (value - exact).abs() <= unit * exact
     };
-    let all = (1..=LARGEST_PART).flat_map(|q| (1..=LARGEST_PART).map(move |p| [p, q]));
+    let all = (1..=LARGEST_PART).flat_map(|q| (1..=q).map(move |p| [p, q]));
     all.into_iter().find(near)
 }
 

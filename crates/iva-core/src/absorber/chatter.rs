@@ -18,7 +18,6 @@
 //! tail up to terms of third order, and the motion after it has the same accuracy. Rebounds of the impact law
 //! as the paper prints it change the momentum as well; `absorber/piva/impact_law.rs` gives the effect on the stick
 //! episode to second order.
-
 //!
 //! Where e rises to 1 at low speeds, the ratios have no such limit. For a power law the sum is another one, whose bound is
 //! proved ([`power`]); for any other such law nothing is summed.

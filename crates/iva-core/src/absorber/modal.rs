@@ -112,13 +112,13 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             return Err(Invalid::new("absorber", number(N as f64), rule));
         }
         if let Some(k) = masses.iter().position(|(mass, _)| mass.varies()) {
-            let field = format!("absorber.{}.restitution", k + 1);
+            let field = format!("absorber.{k}.restitution");
             let rule = "on a structure with several modes it is a number; give one";
             return Err(Invalid::new(field, "a law", rule));
         }
         let mut at = [0; N];
         for (k, (_, point)) in masses.iter().enumerate() {
-            at[k] = structure.point(&format!("absorber.{}.point", k + 1), point)?;
+            at[k] = structure.point(&format!("absorber.{k}.point"), point)?;
         }
         let host = UndrivenHost::new(R::ZERO, R::ZERO);
         let masses = masses.map(|(mass, _)| mass);

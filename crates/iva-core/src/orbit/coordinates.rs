@@ -70,8 +70,8 @@ where
         Some(2.0 * self.damping_ratio())
     }
 
-    /// Of equal walls with a constant restitution: 2 N ln e − 2 ζ τ. The damper takes ẋ, an impact turns two velocities by −e: w⁺ = −e w⁻ and the instant of
-    /// the impact, which moves by δy/w.
+    /// Of equal walls with a constant restitution: 2 N ln e − 2 ζ τ. The damper takes ẋ, an impact turns two velocities by
+    /// −e: w⁺ = −e w⁻ and the instant of the impact, which moves by δy/w.
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
         let [plus, minus] =
             [Wall::Plus, Wall::Minus].map(|wall| self.law_at(wall, 1.0).restitution);

@@ -56,10 +56,13 @@ impl<S: Coordinates> Family<'_, S> {
     }
 
     /// How long the rebounds of the episode last that begins with an impact, whether or not it ends in stick, and the
-    /// restitution at its wall.
+    /// restitution of low impacts at its wall; `None` where that is 1, so that the rebounds shrink by no fixed ratio.
     pub fn rebounds(&self, point: &DVector<f64>, impact: usize) -> Option<(Vec<f64>, f64)> {
         let (system, passed, _) = self.tried(point, false)?;
         let restitution = system.law_at(self.chain.wall(impact), 0.0).rebound;
+        if restitution >= 1.0 {
+            return None;
+        }
         let rebounds = match passed {
             Ok(passed) => passed.episodes.into_iter().find(|it| it.impact == impact)?.rebounds,
             Err(Lapse::Leaves(left)) if left.impact == impact => left.rebounds,

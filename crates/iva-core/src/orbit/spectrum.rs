@@ -36,7 +36,8 @@ pub struct Spectrum {
     /// The largest rank that the monodromy matrix can have: 2 with a ride on a wall, 3 with a plastic impact, else 4.
     pub rank: usize,
     /// The product of the multipliers minus its exact value e^(2N) exp(−∫ contraction): of unlike walls each impact has its
-    /// own e, and where e depends on the approach speed u, e d(e u)/du in place of e². `None` with a ride, or where no identity is known.
+    /// own e, and where e depends on the approach speed u, e d(e u)/du in place of e². `None` with a ride, or where no
+    /// identity is known.
     pub determinant_error: Option<f64>,
 }
 

@@ -28,7 +28,9 @@ fn accepted(field: FieldId) -> BoxedStrategy<f64> {
             prop_oneof![1e-9..1e3, Just(5e-324), Just(1e9)].boxed()
         }
         Allowed::UnitInterval => (0.0..=1.0).boxed(),
-        Allowed::Exponent => (1..=8_u64, 1..=8_u64).prop_map(|(p, q)| p as f64 / q as f64).boxed(),
+        Allowed::Exponent => {
+            (1..=8_u64).prop_flat_map(|q| (1..=q).prop_map(move |p| p as f64 / q as f64)).boxed()
+        }
         Allowed::Units => (1..=8_u64).prop_map(|n| n as f64).boxed(),
         Allowed::InertiaRatio => prop_oneof![1.0..2.0, Just(1.0), Just(1e9)].boxed(),
         Allowed::Angle => (-3.1..3.1).boxed(),

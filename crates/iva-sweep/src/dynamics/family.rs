@@ -95,7 +95,9 @@ impl Family {
         let damped = 2.0 * scene.damping_ratio() * frequency;
         let amplitude = amplitude.abs() / damped.hypot(1.0 - frequency * frequency);
         let cycle = Cycle { begin, length: f64::from(periods) * period };
-        let like = scene.absorber().is_some_and(|it| it.restitution == it.restitution_minus);
+        // Where it depends on the speed as well, the walls are alike if they are given alike.
+        let other = spec.get(FieldId::RestitutionMinus);
+        let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
         let level = scene.gravity_along().is_none_or(|along| along == 0.0);
         let mirrors = like && level && scene.gap_offset(0) == 0.0;
         let has_angle = scene.has_angle();

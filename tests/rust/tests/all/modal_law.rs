@@ -200,11 +200,11 @@ fn bad_input_is_refused() {
     let there = two().with_point("a", &[1.0, 0.5]).unwrap();
     let mass = built::<f64>([0.1, 0.5, 0.4, 0.0, 0.0, 0.0]);
     let error = Modal::new(there.clone(), [(mass, "b")]).unwrap_err().to_string();
-    assert!(error.contains("absorber.1.point = b: give one of the points a"), "{error}");
+    assert!(error.contains("absorber.0.point = b: give one of the points a"), "{error}");
     let system = Modal::new(there, [(mass, "a")]).unwrap();
     let error = system.under(push(0.1, 1.0, Acts::Base), "a").unwrap_err().to_string();
     assert!(error.contains("participation"), "{error}");
     let outside = ModalStart::new(&[1.0], &[], gaps(&[[0.1, 0.5, 0.4, 0.0, 0.5, 0.0]])).unwrap();
     let error = system.check_start(&outside).unwrap_err().to_string();
-    assert!(error.contains("start.absorber.1.gap_displacement"), "{error}");
+    assert!(error.contains("start.0.gap_displacement"), "{error}");
 }

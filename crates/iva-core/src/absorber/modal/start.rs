@@ -61,7 +61,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
         }
         for (k, (mass, GapPoint { y, w })) in self.masses.iter().zip(start.gaps).enumerate() {
-            let field = |name: &str| format!("start.absorber.{}.{name}", k + 1);
+            let field = |name: &str| format!("start.{k}.{name}");
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
             check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
