@@ -43,7 +43,7 @@ def test_errors_are_those_of_rounding() -> None:
 
 def test_errors_reach_every_table() -> None:
     run = decay(verify=True)
-    names = ("summary", "impacts", "episodes", "envelope", "stroboscope")
+    names = ("summary", "impacts", "episodes", "envelope", "stroboscope", "absorbers")
     assert run.verification.findings["table"].to_list() == list(names)
     assert run.verification.summary["settling_time_5"].abs().item() < 1e-11
     assert run.verification.envelope["log_decrement"][:2].to_list() == [None, None]

@@ -27,7 +27,7 @@ from iva import _iva, design
 
 Array = NDArray[np.float64]
 LET_GO = iva.Start(displacement=1.0)
-TABLES = ("summary", "impacts", "episodes", "envelope", "stroboscope")
+TABLES = ("summary", "impacts", "episodes", "envelope", "stroboscope", "absorbers")
 GAP = ["gap_displacement", "gap_velocity", "angle", "angular_velocity"]
 
 
@@ -427,7 +427,7 @@ def test_the_table_of_fields() -> None:
 
 def test_a_wrong_type_is_told_what_to_give() -> None:
     wrong: Any = iva.Start(displacement=1.0)
-    says = r"^absorber = {}: give an iva\.Siva, an iva\.Piva or None$"
+    says = r"^absorber = {}: give an iva\.Siva, an iva\.Piva, a list of them or None$"
     given: Any
     for given, shown in (
         (wrong, r"Start\(displacement=1\.0\)"),

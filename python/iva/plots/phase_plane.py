@@ -48,7 +48,7 @@ def phase(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If `until` is not greater than 0, or `relative` is asked of a run without absorber.
+        If `until` is not greater than 0, or `relative` is asked of a run without this absorber.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def phase(
     truth("relative", relative)
     if checked_run(run, several=True).absorber is None and relative:
         raise ValueError("relative = True: this run has no absorber, and so no gap; give False")
-    place = checked_absorber(run, absorber)
+    place = checked_absorber(run, absorber) if relative else 0
     motion, _ = motion_of(run, until, place if relative else None)
     units = run.units["trajectory"]
     across, up = ("gap_displacement", "gap_velocity") if relative else ("displacement", "velocity")

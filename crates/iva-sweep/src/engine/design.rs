@@ -11,7 +11,7 @@ use super::given::Given;
 use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
-use super::scene::{Mounted, Scene};
+use super::scene::{LISTS, Mounted, Scene};
 use super::several;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
@@ -165,7 +165,12 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
-        if self.spec.count() > 1 || self.spec.units_of(0) > 1 {
+        let units_of_first = self.spec.units_of(0);
+        if self.spec.count() > 1 || units_of_first > 1 {
+            if !LISTS {
+                let units = format!("{} in a list, {units_of_first} units", self.spec.count());
+                return Err(Invalid::new("absorber", units, "give one absorber of one unit here"));
+            }
             return several::scene(self, start, force, scale, units);
         }
         match self.spec.choices().kind {

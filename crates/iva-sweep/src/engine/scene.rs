@@ -42,6 +42,9 @@ pub enum Scene<R: Real = f64> {
     DrivenAlone(Mounted<Alone<DrivenHost<R>>>),
 }
 
+/// Whether several absorbers are simulated as well: a program without sweeps is kept small, and does not.
+pub(crate) const LISTS: bool = cfg!(feature = "sweeps");
+
 /// Code for the system of a scene of any kind, with its start.
 macro_rules! with_system {
     ($scene:expr, |$mounted:ident| $body:expr) => {
@@ -50,8 +53,18 @@ macro_rules! with_system {
             $crate::engine::scene::Scene::DrivenSiva($mounted) => $body,
             $crate::engine::scene::Scene::Piva($mounted) => $body,
             $crate::engine::scene::Scene::DrivenPiva($mounted) => $body,
-            $crate::engine::scene::Scene::Several($mounted) => $body,
-            $crate::engine::scene::Scene::DrivenSeveral($mounted) => $body,
+            $crate::engine::scene::Scene::Several($mounted) if $crate::engine::scene::LISTS => {
+                $body
+            }
+            $crate::engine::scene::Scene::DrivenSeveral($mounted)
+                if $crate::engine::scene::LISTS =>
+            {
+                $body
+            }
+            $crate::engine::scene::Scene::Several(_)
+            | $crate::engine::scene::Scene::DrivenSeveral(_) => {
+                unreachable!("lists of absorbers are not built")
+            }
             $crate::engine::scene::Scene::Alone($mounted) => $body,
             $crate::engine::scene::Scene::DrivenAlone($mounted) => $body,
         }
