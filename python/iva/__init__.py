@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from iva.run_tables import Gradient, Verification
     from iva.scanning import Scan, scan
     from iva.simulation import Run, simulate
+    from iva.structures import Structure
     from iva.sweeping import sweep
     from iva.tables import Table
     from iva.units import Units
@@ -61,6 +62,7 @@ __all__ = [
     "Scan",
     "Siva",
     "Start",
+    "Structure",
     "Table",
     "Units",
     "Verification",
@@ -100,6 +102,7 @@ _HOMES = {
     "Scan": "scanning",
     "Siva": "parameters",
     "Start": "parameters",
+    "Structure": "structures",
     "Table": "tables",
     "Units": "units",
     "Verification": "run_tables",

@@ -9,6 +9,7 @@ from os import PathLike, fspath
 from iva import _iva
 from iva.parameters import Part, constructor, given, number, numbers, shown
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -308,8 +309,8 @@ def fields_of(force: Force) -> dict[str, float | _iva.Record]:
     return {**default, **given(force)}
 
 
-def written(part: Part | Force | None) -> str:
+def written(part: Part | Force | Structure | None) -> str:
     """Return the expression that builds a part, or what stands for a record or no absorber."""
     if part is None:
         return "no absorber"
-    return repr(part) if isinstance(part, Recorded) else constructor(part)
+    return repr(part) if isinstance(part, (Recorded, Structure)) else constructor(part)

@@ -9,6 +9,7 @@ from iva.forces import Force, listed, written
 from iva.parameters import Part
 from iva.scenes import absorbers
 from iva.simulation import Run
+from iva.structures import Structure
 from iva.tables import Table
 
 
@@ -16,7 +17,7 @@ def of_run(run: Run) -> str:
     """Return parameters, outcome and all measures of a run, with their units."""
     row = run.summary.row(0, named=True)
     units = run.units["summary"]
-    named: tuple[tuple[str, Part | Force | None], ...] = (
+    named: tuple[tuple[str, Part | Force | Structure | None], ...] = (
         *(("absorber", absorber) for absorber in absorbers(run.absorber)),
         ("primary", run.primary),
         *(("force", force) for force in listed(run.force)),

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from iva.forces import Force, Harmonic, Impulse, Recorded, fields_of, listed
 from iva.parameters import Absorber, Piva, Primary, Siva, Start, shown, spec
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def scene(
     run : mapping
         Settings of the run, by name.
     several : bool, default False
-        Whether `absorber` may be a list.
+        Whether `absorber` may be a list, and `primary` a structure with several modes.
 
     Raises
     ------
@@ -49,12 +50,17 @@ def scene(
             raise TypeError(f"absorber = {shown(absorber)}: give {wanted(several)}")
     else:
         fits(absorber)
-    if not isinstance(primary, Primary):
-        raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
+    if not isinstance(primary, (Primary, Structure) if several else Primary):
+        rule = "give an iva.Primary or an iva.Structure" if several else "give an iva.Primary"
+        raise TypeError(f"primary = {shown(primary)}: {rule}")
     if not isinstance(start, Start):
         raise TypeError(f"start = {shown(start)}: give an iva.Start")
     checked_lists(absorber, start)
-    made = spec(absorber, primary, start, run=run)
+    if isinstance(primary, Structure):
+        made = spec(absorber, start, run=run)
+        made["structure"] = primary._entries()
+    else:
+        made = spec(absorber, primary, start, run=run)
     if forces := [fields_of(force) for force in listed(force)]:
         made["forces"] = forces
     return made
@@ -132,11 +138,16 @@ def parts(made: Spec) -> dict[str, Any]:
     drives = {"force": forces[0] if len(forces) == 1 else forces} if forces else {}
     return {
         "absorber": listed_absorbers or absorber_of(given["absorber"]),
-        "primary": Primary(**given["primary"]),
+        "primary": primary_of(made, given["primary"]),
         "start": Start(**given["start"]),
         **drives,
         **given["run"],
     }
+
+
+def primary_of(made: Spec, fields: Mapping[str, Any]) -> Primary | Structure:
+    """Return the primary of a spec."""
+    return Structure(**made["structure"]) if "structure" in made else Primary(**fields)
 
 
 def absorber_of(words: Mapping[str, Any]) -> Absorber | None:

@@ -13,6 +13,7 @@ from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
+from iva.structures import Structure
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -40,7 +41,7 @@ class Run(RunTables):
     def __init__(
         self,
         absorber: Absorber | tuple[Absorber, ...] | None,
-        primary: Primary,
+        primary: Primary | Structure,
         start: Start,
         spec: Spec,
         units: Units,
@@ -154,7 +155,7 @@ class Run(RunTables):
         TypeError
             If `time` is not a number.
         ValueError
-            If it is outside the run, or after its early end.
+            If it is outside the run, or after its early end, or the structure has several modes.
 
         Examples
         --------
@@ -167,6 +168,8 @@ class Run(RunTables):
         12.5
         """
         at = number("time", time)
+        if isinstance(self.primary, Structure):
+            raise ValueError("state_at: a Start has no room for the state of several modes")
         begin = self.start.time or 0.0
         blows = (force for force in listed(self.force) if isinstance(force, Impulse))
         if at == begin == 0.0 and any((blow.time or 0.0) == 0.0 for blow in blows):
@@ -282,7 +285,7 @@ class Run(RunTables):
 @spell_checked
 def simulate(
     absorber: Absorbers | None,
-    primary: Primary,
+    primary: Primary | Structure,
     *,
     start: Start,
     force: Force | Sequence[Force] | None = None,
@@ -309,8 +312,9 @@ def simulate(
         structure; tables number them from 0 in their column ``absorber``. Or ``None``: the
         structure alone. Then the start has no gap and no angle, and there is neither
         `chatter_floor` nor `tolerance`.
-    primary : Primary
-        The primary system; what it is given decides the units.
+    primary : Primary or Structure
+        The primary system; what it is given decides the units. A structure with several modes has
+        free masses, or none, and neither `errors` nor reductions against the bare structure.
     start : Start
         The state at the begin, at time zero unless it says another instant: ``run.state_at(t)``
         goes on from another run. Lengths of a run count from there. Instants of results, settling

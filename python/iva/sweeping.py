@@ -20,6 +20,7 @@ from iva.sampling import Sampling, points_of
 from iva.scenes import scene
 from iva.simulation import names, truth
 from iva.spelling import spell_checked
+from iva.structures import Structure
 from iva.tables import Table
 from iva.units import from_metadata
 
@@ -33,7 +34,7 @@ MEMORY_LIMIT = 4e9
 @spell_checked
 def sweep(
     absorber: Absorbers | None,
-    primary: Primary,
+    primary: Primary | Structure,
     *,
     over: Mapping[str, Any] | pl.DataFrame,
     start: Start,

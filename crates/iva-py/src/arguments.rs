@@ -1,6 +1,7 @@
 //! Conversion of Python arguments into a study.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
@@ -11,6 +12,7 @@ use iva_sweep::fields::{FieldId, Part, nearest};
 use iva_sweep::forces::ForceSpec;
 use iva_sweep::sampling::{Rows, Sample, Sampling};
 use iva_sweep::slot::Slot;
+use iva_sweep::structure::{Entry, SECTION, Structure};
 use iva_sweep::study::{Study, Table};
 use iva_sweep::variable::Variable;
 use iva_sweep::{Invalid, number};
@@ -22,7 +24,7 @@ use crate::errors::invalid;
 use crate::record::PyRecord;
 
 /// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
-/// absorber comes before the other choices); under `"forces"` it has the list of forces. The fields of several absorbers are
+/// absorber comes before the other choices); under `"forces"` it has the list of forces, under `"structure"` the entries of a structure with several modes. The fields of several absorbers are
 /// `"part.number.field"`.
 ///
 /// # Errors
@@ -42,9 +44,12 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
         }
     }
     let mut spec = Spec::several(&absorbers).map_err(invalid)?;
+    if let Some(entries) = fields.get_item(SECTION)? {
+        spec = spec.with_structure(Arc::new(structure(&entries.cast_into::<PyDict>()?)?));
+    }
     for (path, value) in fields {
         let path: String = path.extract()?;
-        if path == FORCES || value.is_instance_of::<PyString>() {
+        if path == FORCES || path == SECTION || value.is_instance_of::<PyString>() {
             continue;
         }
         spec.set(slot(&path).map_err(invalid)?, value.extract()?).map_err(invalid)?;
@@ -53,6 +58,31 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
         forces(&list.extract::<Vec<Bound<'_, PyDict>>>()?, &mut spec)?;
     }
     Ok(spec)
+}
+
+/// The structure of a dict of its entries.
+///
+/// # Errors
+/// `ValueError` naming the entry that does not fit.
+pub fn structure(entries: &Bound<'_, PyDict>) -> PyResult<Structure> {
+    let mut all = Vec::with_capacity(entries.len());
+    for (name, value) in entries {
+        let name: String = name.extract()?;
+        let entry = if let Ok(one) = value.extract::<String>() {
+            Entry::Name(one)
+        } else if let Ok(named) = value.cast::<PyDict>() {
+            let named = named.iter().map(|(name, value)| Ok((name.extract()?, value.extract()?)));
+            Entry::Named(named.collect::<PyResult<_>>()?)
+        } else if let Ok(names) = value.extract::<Vec<String>>() {
+            if names.is_empty() { Entry::Numbers(Vec::new()) } else { Entry::Names(names) }
+        } else if let Ok(numbers) = value.extract::<Vec<f64>>() {
+            Entry::Numbers(numbers)
+        } else {
+            Entry::Rows(value.extract()?)
+        };
+        all.push((name, entry));
+    }
+    Structure::new(all).map_err(invalid)
 }
 
 /// The place of `"part.field"`, or `"part.number.field"` for several absorbers.

@@ -60,6 +60,21 @@ pub fn check_choices(words: Vec<(String, String)>) -> PyResult<()> {
     words.iter().try_for_each(|(name, word)| choices.choose(name, word)).map_err(invalid)
 }
 
+/// Of each mode its frequency in rad/s and damping ratio; the shapes of all modes at each point; and whether the modes
+/// exchange no energy. Of a structure with several modes, by its entries.
+type Modes = (Vec<(f64, f64)>, Vec<(String, Vec<f64>)>, bool);
+
+/// The modes of a structure.
+#[pyfunction]
+pub fn modes(entries: &Bound<'_, PyDict>) -> PyResult<Modes> {
+    let modes = arguments::structure(entries)?.in_si().map_err(invalid)?;
+    let of = |mode| Some((modes.frequency(mode)?, modes.damping_ratio(mode)?));
+    let each = (0..modes.count()).filter_map(of).collect();
+    let shapes = |name: &str| Some((name.to_owned(), modes.shapes(name)?.to_vec()));
+    let points = modes.points().filter_map(shapes).collect();
+    Ok((each, points, modes.is_separate()))
+}
+
 /// The measures of which the larger is the better.
 #[pyfunction]
 pub fn larger_is_better() -> Vec<&'static str> {

@@ -36,7 +36,7 @@ mod _iva {
     #[pymodule_export]
     use super::calls::{
         check, check_choices, column_units, design, fields, gradients, larger_is_better, main,
-        primary_units, simulate, state, states, trajectory, unit_system, verify,
+        modes, primary_units, simulate, state, states, trajectory, unit_system, verify,
     };
     #[pymodule_export]
     use super::dynamics::orbit;

@@ -2,13 +2,15 @@
 
 use iva_sweep::design::Spec;
 use iva_sweep::fields::Part;
+use iva_sweep::structure::{Entry, SECTION};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::arguments::{FORCES, RECORD};
 use crate::record::PyRecord;
 
-/// A dict `"part.field"` → number or word, and under `"forces"` the list of forces.
+/// A dict `"part.field"` → number or word, under `"forces"` the list of forces, and under `"structure"` the
+/// entries of a structure with several modes.
 pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDict>> {
     let scene = PyDict::new(py);
     let (part, count) = (Part::Absorber.name(), spec.count());
@@ -20,6 +22,25 @@ pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDic
             };
             scene.set_item(path, word)?;
         }
+    }
+    if let Some(structure) = spec.structure() {
+        let entries = PyDict::new(py);
+        for (name, entry) in structure.entries() {
+            match entry {
+                Entry::Name(one) => entries.set_item(name, one)?,
+                Entry::Names(all) => entries.set_item(name, all)?,
+                Entry::Numbers(all) => entries.set_item(name, all)?,
+                Entry::Rows(rows) => entries.set_item(name, rows)?,
+                Entry::Named(all) => {
+                    let named = PyDict::new(py);
+                    for (name, numbers) in all {
+                        named.set_item(name, numbers)?;
+                    }
+                    entries.set_item(name, named)?;
+                }
+            }
+        }
+        scene.set_item(SECTION, entries)?;
     }
     let forces = PyList::empty(py);
     for force in spec.forces() {

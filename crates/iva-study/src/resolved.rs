@@ -13,6 +13,7 @@ use iva_sweep::slot::Slot;
 use iva_sweep::study::Table;
 
 use crate::error::Error;
+use crate::structure;
 use crate::study_file::{MOST_BYTES, STUDY_VERSION, StudyFile};
 
 /// A study with its defaults filled in and without the base values that an axis replaces.
@@ -101,6 +102,10 @@ fn text_of(file: &StudyFile, units: &str) -> String {
         }
         if part == Part::Absorber {
             write_absorbers(&mut text, &file.study.spec);
+            continue;
+        }
+        if let (Part::Primary, Some(structure)) = (part, file.study.spec.structure()) {
+            structure::write(&mut text, structure);
             continue;
         }
         let _ = writeln!(text, "\n[{}]", part.name());

@@ -40,6 +40,7 @@ use crate::forces;
 use crate::report::Report;
 use crate::sampling;
 use crate::source::Source;
+use crate::structure;
 use crate::value::{
     Key, Value, entries, name, names, number, one_of, table, truth, unknown_key, whole_number,
 };
@@ -57,8 +58,18 @@ pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 pub(crate) const MOST_BYTES: u64 = 10_000_000;
 
 /// Keys and sections of a study file.
-const SECTIONS: [&str; 9] =
-    ["version", "primary", "absorber", "force", "start", "run", "sampling", "sweep", "report"];
+const SECTIONS: [&str; 10] = [
+    "version",
+    "primary",
+    "structure",
+    "absorber",
+    "force",
+    "start",
+    "run",
+    "sampling",
+    "sweep",
+    "report",
+];
 /// The section of `iva optimise`, which the other commands cannot do anything with.
 const OPTIMISE: &str = "optimise";
 /// Allowed range of `run.samples_per_period`.
@@ -169,6 +180,9 @@ fn parse(path: &Path, text: &str, aside: Option<&str>) -> Result<StudyFile, Erro
         }
     };
     let mut spec = absorbers::spec(&mut source, &absorbers)?;
+    if let Some((key, value)) = root.get_key_value(iva_sweep::structure::SECTION) {
+        spec = structure::read(&mut source, key, value, spec)?;
+    }
     let mut settings = Settings::default();
     for part in Part::ALL {
         match root.get_key_value(part.name()) {

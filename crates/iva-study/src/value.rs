@@ -23,7 +23,7 @@ pub(crate) fn entries<'a, 't>(table: &'a DeTable<'t>) -> Vec<(&'a Key<'t>, &'a V
 }
 
 /// The value of a float or integer; `None` for another type.
-fn as_number(value: &DeValue<'_>) -> Option<f64> {
+pub(crate) fn as_number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => float.as_str().parse().ok(),
         DeValue::Integer(integer) => {

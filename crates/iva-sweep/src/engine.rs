@@ -11,6 +11,7 @@ pub(crate) mod ended;
 pub(crate) mod forces;
 pub(crate) mod free_mass;
 pub mod given;
+mod modal;
 pub(crate) mod pendulum;
 pub(crate) mod point;
 mod restitution;

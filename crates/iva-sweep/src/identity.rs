@@ -66,6 +66,11 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
             add(&value.to_le_bytes());
         }
     }
+    for (name, entry) in spec.structure().map_or(&[][..], |it| it.entries()) {
+        add(name.as_bytes());
+        // The shortest decimals of doubles tell them apart.
+        add(format!("{entry:?}").as_bytes());
+    }
     for recorded in spec.forces().iter().filter_map(|force| force.record.as_ref()) {
         add(recorded.kind.name().as_bytes());
         let numbers = recorded.history.times().iter().chain(recorded.history.values());

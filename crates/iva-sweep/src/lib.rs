@@ -38,6 +38,7 @@ pub mod sampling;
 mod side_by_side;
 pub mod slot;
 mod spec;
+pub mod structure;
 pub mod study;
 #[cfg(feature = "sweeps")]
 pub mod sweep;

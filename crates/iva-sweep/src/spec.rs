@@ -1,5 +1,7 @@
 //! The fields of one run as a user gives them.
 
+use std::sync::Arc;
+
 use crate::choices::{Choices, Kind, only};
 use crate::engine::design::Design;
 use crate::engine::given::Given;
@@ -7,6 +9,7 @@ use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::{ForceSpec, Recorded};
 use crate::slot::Slot;
+use crate::structure::Structure;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
 use iva_core::absorber::several;
 
@@ -19,6 +22,8 @@ pub struct Spec {
     forces: Vec<ForceSpec>,
     /// The absorbers after the first.
     more: Vec<AbsorberSpec>,
+    /// The structure with several modes that takes the place of the primary, if one is given.
+    structure: Option<Arc<Structure>>,
 }
 
 /// A value for each field.
@@ -44,7 +49,8 @@ impl Default for Spec {
 impl Spec {
     /// A spec without fields.
     pub fn new(choices: Choices) -> Self {
-        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new(), more: Vec::new() }
+        let (forces, more) = (Vec::new(), Vec::new());
+        Self { choices, values: [None; FIELD_COUNT], forces, more, structure: None }
     }
 
     /// A spec of several absorbers without fields.
@@ -68,12 +74,23 @@ impl Spec {
         Ok(Self { more: more.collect(), ..Self::new(*first) })
     }
 
-    /// A spec of the same absorbers without fields and forces.
+    /// A spec of the same absorbers and structure without fields and forces.
     pub fn emptied(&self) -> Self {
         let more = self.more.iter();
         let more = more
             .map(|it| AbsorberSpec { choices: it.choices, values: Box::new([None; FIELD_COUNT]) });
-        Self { more: more.collect(), ..Self::new(self.choices) }
+        let structure = self.structure.clone();
+        Self { more: more.collect(), structure, ..Self::new(self.choices) }
+    }
+
+    /// The same with a structure with several modes in the place of the primary.
+    pub fn with_structure(self, structure: Arc<Structure>) -> Self {
+        Self { structure: Some(structure), ..self }
+    }
+
+    /// The structure with several modes, if one is given.
+    pub fn structure(&self) -> Option<&Arc<Structure>> {
+        self.structure.as_ref()
     }
 
     /// Number of absorbers; 1 for a structure without absorber as well.
@@ -281,7 +298,7 @@ impl Spec {
     /// # Errors
     /// As [`Spec::units`].
     pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let weighs = self.count() == 1;
+        let weighs = self.count() == 1 && self.structure.is_none();
         let weighs = weighs
             && match self.choices().kind {
                 Kind::Siva => true,

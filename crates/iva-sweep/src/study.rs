@@ -107,6 +107,11 @@ impl Designer<'_> {
     /// # Errors
     /// As [`Study::design`].
     pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
+        if self.study.errors && self.spec.structure().is_some() {
+            let rule =
+                "none are estimated on a structure with several modes; verify tells the true ones";
+            return Err(Invalid::new("errors", true, rule));
+        }
         let mut design = self.place(point).and_then(|()| self.spec.design());
         if let Err(error) = &mut design {
             // A missing field is missing at every point, so no point is named.

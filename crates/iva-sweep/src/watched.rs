@@ -51,7 +51,7 @@ pub const TAKEN: &str =
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {
-    let single = design.scene.count() <= 1;
+    let single = design.scene.count() <= 1 && !design.scene.has_modes();
     single
         && design.tier != Tier::Fast
         && design.scene.force().is_none_or(|force| force.is_single())

@@ -41,8 +41,10 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     Raises
     ------
     ValueError
-        If it has more than one force, or one that is not harmonic.
+        If it has more than one force, one that is not harmonic, or a structure with several modes.
     """
+    if "structure" in spec:
+        raise ValueError("primary: the explorer takes no structure with several modes")
     words = {f"absorber.{word}" for word in WORDS}
     choices = {path.partition(".")[2]: str(spec[path]) for path in spec if path in words}
     numbers = {

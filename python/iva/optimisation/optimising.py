@@ -26,6 +26,7 @@ from iva.sampling import whole
 from iva.scenes import scene
 from iva.simulation import truth
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 if TYPE_CHECKING:
     import polars as pl
@@ -41,7 +42,7 @@ MOST_SEED = (1 << 52) - 1
 @spell_checked
 def optimise(
     absorber: Absorber | Sequence[Absorber | Sequence[Absorber]] | None,
-    primary: Primary,
+    primary: Primary | Structure,
     *,
     choose: Mapping[str, Any] | Sequence[Mapping[str, Any]],
     minimise: str | Sequence[str] | None = None,

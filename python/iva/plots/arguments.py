@@ -13,12 +13,15 @@ from iva.design import design_of
 from iva.parameters import number, shown
 from iva.simulation import Run
 from iva.spelling import no_column
+from iva.structures import Structure
 from iva.tables import Table
 
 Numbers = NDArray[np.float64]
 
 
-def checked_run(run: object, field: str = "run", *, several: bool = False) -> Run:
+def checked_run(
+    run: object, field: str = "run", *, several: bool = False, modes: bool = False
+) -> Run:
     """Return a run.
 
     Parameters
@@ -29,19 +32,23 @@ def checked_run(run: object, field: str = "run", *, several: bool = False) -> Ru
         Its name for messages.
     several : bool, default False
         Whether it may have several absorbers.
+    modes : bool, default False
+        Whether its structure may have several modes.
 
     Raises
     ------
     TypeError
         If it is none.
     ValueError
-        If it has several absorbers that are not drawn here.
+        If it has several absorbers, or a structure with several modes, that are not drawn here.
     """
     if not isinstance(run, Run):
         raise TypeError(f"{field} = {shown(run)}: give an iva.Run, of iva.simulate")
     count = design_of(run).absorbers
     if count > 1 and not several:
         raise ValueError(f"{field} has {count} absorbers: this is drawn for one; give such a run")
+    if isinstance(run.primary, Structure) and not modes:
+        raise ValueError(f"{field} has a structure with several modes: this is drawn for one")
     return run
 
 

@@ -26,6 +26,7 @@ from iva.plots.styles import (
 )
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 #: Levels in percent whose settling times the summary has.
 SETTLED = (10.0, 5.0, 2.0)
@@ -94,11 +95,11 @@ def decay(
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('time ωₙt', 'displacement x/A₀')
     """
-    motion, end = motion_of(checked_run(run, several=True), until)
+    motion, end = motion_of(checked_run(run, several=True, modes=True), until)
     for field, value in (("relative", relative), ("impacts", impacts), ("envelope", envelope)):
         truth(field, value)
     units = run.units["trajectory"]
-    if bare is not None and checked_run(bare, "bare").units.system != run.units.system:
+    if bare is not None and checked_run(bare, "bare", modes=True).units.system != run.units.system:
         raise ValueError(f"bare is in other units ({bare.units}): give a run in {run.units}")
     lasting = any(not isinstance(force, Impulse) for force in listed(run.force))
     if relative and lasting:
@@ -252,7 +253,10 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
     """
-    motion, end = motion_of(checked_run(run, several=True), until)
+    motion, end = motion_of(checked_run(run, several=True, modes=True), until)
+    if isinstance(run.primary, Structure) and not run.primary._moves_as_seen():
+        rule = "give seen_at the point of all absorbers to draw their velocities"
+        raise ValueError(f"run has absorbers at other points than that which it sees: {rule}")
     units = run.units["trajectory"]
     count = design_of(run).absorbers
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"

@@ -62,7 +62,7 @@ def phase(
     'gap displacement y (unit of x₀)'
     """
     truth("relative", relative)
-    if checked_run(run, several=True).absorber is None and relative:
+    if checked_run(run, several=True, modes=True).absorber is None and relative:
         raise ValueError("relative = True: this run has no absorber, and so no gap; give False")
     place = checked_absorber(run, absorber) if relative else 0
     motion, _ = motion_of(run, until, place if relative else None)

@@ -17,6 +17,11 @@ pub trait ImpactLaw: OnStructure {
     fn law_at(&self, wall: Wall, approach: Self::Real) -> LawAt<Self::Real> {
         self.law_of(0, wall, approach)
     }
+    /// The impulse of an impact of the only absorber over the unit of mass, per approach speed: on a structure that moves as
+    /// one the velocity that it gains.
+    fn impulse_at(&self, wall: Wall, approach: Self::Real) -> Self::Real {
+        self.law_at(wall, approach).gain
+    }
     /// Applies the impact law to a state in contact: the state after the impact, and its record.
     fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
     /// The state after an infinite tail of rebounds, stuck with the common velocity, and the energy lost in
@@ -31,7 +36,7 @@ pub struct LawAt<R = f64> {
     pub restitution: R,
     /// The speed of the rebound over the approach speed: the ratio of consecutive rebounds of a chatter.
     pub rebound: R,
-    /// Velocity that the structure gains per gap velocity: the impulse over the mass of the structure.
+    /// Velocity that the structure gains at the wall, per gap velocity.
     pub gain: R,
     /// Rise of the pressure on the wall at an impact, over the approach speed: the damper responds to the jump of the
     /// structure's velocity.

@@ -43,11 +43,12 @@ use std::sync::OnceLock;
 
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
-use crate::error::{Invalid, number};
+use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::{DrivenHost, Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::flight::GapPoint;
 
 pub use motion::ModalMotion;
 pub use start::ModalStart;
@@ -78,13 +79,15 @@ const AT_ONCE_ULPS: f64 = 8.0;
 /// The event loop takes the work of an impulse from the velocity of the point that it sees.
 const KICKED: &str = "impulses act at the point that a run sees: let both be the same";
 
-/// N free masses on a structure with several modes.
+/// Free masses on a structure with several modes, N at most.
 #[derive(Debug, Clone)]
-pub struct Modal<H: Host, const N: usize> {
+pub struct Modal<H: Host, const N: usize = MOST> {
     structure: ModalStructure<H::Real>,
+    /// Those in use first; the others mean nothing.
     masses: [FreeMass<H::Real>; N],
     /// The index of the point of each mass.
     at: [usize; N],
+    count: usize,
     /// The point that a run sees, and that on which the force acts.
     seen: usize,
     pushed: usize,
@@ -98,8 +101,22 @@ pub struct Modal<H: Host, const N: usize> {
     reach: H::Real,
 }
 
+impl<R: Real> Modal<UndrivenHost<R>> {
+    /// A list of masses that ride at named points of a structure without drive. With an empty list it is the structure
+    /// alone, of which a run sees the first point.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a point that the structure does not have, and for more than [`MOST`] masses.
+    pub fn of(
+        structure: ModalStructure<R>,
+        masses: &[(FreeMass<R>, &str)],
+    ) -> Result<Self, Invalid> {
+        Self::with(structure, masses)
+    }
+}
+
 impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
-    /// Masses that ride at named points of a structure without drive.
+    /// N masses that ride at named points of a structure without drive.
     ///
     /// # Errors
     /// [`Invalid`] for a point that the structure does not have, and for more than [`MOST`] masses or none.
@@ -107,9 +124,14 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         structure: ModalStructure<R>,
         masses: [(FreeMass<R>, &str); N],
     ) -> Result<Self, Invalid> {
-        if N == 0 || N > MOST {
+        Self::with(structure, &masses)
+    }
+
+    fn with(structure: ModalStructure<R>, masses: &[(FreeMass<R>, &str)]) -> Result<Self, Invalid> {
+        let count = masses.len();
+        if count > MOST || N == 0 {
             let rule = format!("give from 1 to {MOST} absorbers");
-            return Err(Invalid::new("absorber", number(N as f64), rule));
+            return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
         }
         if let Some(k) = masses.iter().position(|(mass, _)| mass.varies()) {
             let field = format!("absorber.{k}.restitution");
@@ -121,8 +143,9 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             at[k] = structure.point(&format!("absorber.{k}.point"), point)?;
         }
         let host = UndrivenHost::new(R::ZERO, R::ZERO);
-        let masses = masses.map(|(mass, _)| mass);
-        Ok(Self::on(host, structure, (masses, at), [at[0]; 2]))
+        let unused = FreeMass::new(R::ONE, R::ONE, R::ONE)?;
+        let all = std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass));
+        Ok(Self::on(host, structure, (all, at, count), [at[0]; 2]))
     }
 
     /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
@@ -142,7 +165,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             ));
         }
         let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
-        let of = (self.masses, self.at);
+        let of = (self.masses, self.at, self.count);
         Ok(Modal::on(host, self.structure.clone(), of, [self.seen, pushed]))
     }
 }
@@ -151,14 +174,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn on(
         host: H,
         structure: ModalStructure<R>,
-        (masses, at): ([FreeMass<R>; N], [usize; N]),
+        (masses, at, count): ([FreeMass<R>; N], [usize; N], usize),
         [seen, pushed]: [usize; 2],
     ) -> Self {
         let mobility = at.map(|k| at.map(|l| structure.mobility(k, l)));
-        let stuck = (0..1_usize << N).map(|_| OnceLock::new()).collect();
+        let stuck = (0..1_usize << count).map(|_| OnceLock::new()).collect();
         let drive = host.force().map_or(R::ZERO, Force::fastest);
         let reach = R::from(equations::LONGEST * R::STEP) / structure.growth().max(drive);
-        Self { structure, masses, at, seen, pushed, host, mobility, stuck, reach }
+        Self { structure, masses, at, count, seen, pushed, host, mobility, stuck, reach }
     }
 
     /// The same system, of which a run sees the motion at another named point.
@@ -180,13 +203,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The masses.
-    pub fn masses(&self) -> &[FreeMass<R>; N] {
-        &self.masses
+    pub fn masses(&self) -> &[FreeMass<R>] {
+        &self.masses[..self.count]
+    }
+
+    /// The index of an absorber; without any that of a place which no wall is near.
+    fn index(&self, absorber: usize) -> usize {
+        absorber.min(self.count.max(1) - 1)
     }
 
     /// Gap displacement and velocity of each absorber.
-    pub fn gaps(&self, state: &ModalState<H, N>) -> [crate::segment::flight::GapPoint<R>; N] {
-        std::array::from_fn(|k| state.places[k].gap(&self.masses[k]))
+    pub fn gaps(&self, state: &ModalState<H, N>) -> Vec<GapPoint<R>> {
+        self.each_gap(state).collect()
+    }
+
+    fn each_gap(&self, state: &ModalState<H, N>) -> impl Iterator<Item = GapPoint<R>> {
+        self.masses().iter().zip(state.places).map(|(mass, place)| place.gap(mass))
     }
 
     /// The shape at the point of a mass.
@@ -196,20 +228,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// The mass at hand, and its place in its gap.
     fn at_hand_of(&self, state: &ModalState<H, N>) -> (usize, &FreeMass<R>, Place<R>) {
-        let k = usize::from(state.at_hand).min(N - 1);
+        let k = self.index(state.at_hand.into());
         (k, &self.masses[k], state.places[k])
     }
 
     /// What the masses that are stuck in a state need.
     fn stuck_in(&self, places: &[Place<R>; N]) -> &Stuck<R> {
         let stuck = |k: &usize| places[*k].stuck;
-        let set: usize = (0..N).filter(stuck).map(|k| 1 << k).sum();
-        self.stuck[set].get_or_init(|| self.stuck_set((0..N).filter(stuck).collect()))
+        let set: usize = (0..self.count).filter(stuck).map(|k| 1 << k).sum();
+        self.stuck[set].get_or_init(|| self.stuck_set((0..self.count).filter(stuck).collect()))
     }
 
     /// The mass ratio of all masses together.
     fn total(&self) -> R {
-        self.masses.iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
+        self.masses().iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
     }
 }
 

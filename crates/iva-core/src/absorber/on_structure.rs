@@ -27,6 +27,10 @@ pub trait OnStructure {
     fn mass_ratio_of(&self, _absorber: usize) -> Self::Real {
         self.mass_ratio()
     }
+    /// True if the structure has several points, so that a run sees it at one and absorbers meet it at others.
+    fn has_points(&self) -> bool {
+        false
+    }
     /// Displacement and velocity of the primary.
     fn primary(&self, state: &Self::State) -> Point<Self::Real>;
     /// Total energy per primary mass.

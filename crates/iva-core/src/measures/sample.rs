@@ -1,7 +1,7 @@
 //! The motion at given instants, evaluated exactly and never interpolated.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::{Absorber, Angle, Clock};
+use crate::absorber::{Absorber, Angle, Clock, Point};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::wall::presses;
 use crate::engine::simulate::{Instant, Outcome, Tally};
@@ -41,9 +41,10 @@ pub struct State<R = f64> {
 fn accelerations<S: Absorber>(system: &S, state: &S::State) -> [S::Real; 2] {
     let flight = system.flight(state);
     let structure = flight.acceleration(S::Real::ZERO);
+    let own = flight.acceleration_at(system.at_hand(state), S::Real::ZERO).unwrap_or(structure);
     // A state in contact may hold the acceleration of a state close by, so it is computed anew.
     let beside = gap_acceleration(system, &flight.state(S::Real::ZERO));
-    [structure, structure + system.lever() * beside]
+    [structure, own + system.lever() * beside]
 }
 
 /// ÿ of an absorber free in its gap: the distance to a wall s is d − s y.
@@ -63,6 +64,8 @@ pub struct Sampler<R = f64> {
     jumped: [[R; 2]; 2],
     /// Energy before and after it.
     energies: [R; 2],
+    /// The structure before and after it, where a run sees another point of it than that of the impact.
+    elsewhere: Option<[Point<R>; 2]>,
     /// True if nothing has come after the last impact.
     landed: bool,
     /// The samples taken so far, in order of time.
@@ -73,8 +76,17 @@ impl<R: Real> Sampler<R> {
     /// Samples at `times`, which must not decrease.
     pub fn at(times: Vec<R>) -> Self {
         let states = Vec::with_capacity(times.len());
-        let (duration, jumped, energies) = (R::ZERO, [[R::ZERO; 2]; 2], [R::ZERO; 2]);
-        Self { times, next: 0, events: false, duration, jumped, energies, landed: false, states }
+        Self {
+            times,
+            next: 0,
+            events: false,
+            duration: R::ZERO,
+            jumped: [[R::ZERO; 2]; 2],
+            energies: [R::ZERO; 2],
+            elsewhere: None,
+            landed: false,
+            states,
+        }
     }
 
     /// Samples at `times` and both states of every impact.
@@ -100,6 +112,7 @@ impl<R: Real> Sampler<R> {
                 Some(_) => R::ZERO,
                 None => system.lever() * gap_acceleration(system, &state),
             };
+            let own = motion.acceleration_at(absorber, h).unwrap_or(acceleration);
             self.states.push(State {
                 time,
                 absorber: absorber as u8,
@@ -109,7 +122,7 @@ impl<R: Real> Sampler<R> {
                 gap_velocity: gap.w,
                 wall: wall.map_or(0, |wall| wall.number()),
                 acceleration,
-                absorber_acceleration: acceleration + beside,
+                absorber_acceleration: own + beside,
                 energy,
                 angle: system.angle(&state),
             });
@@ -153,7 +166,8 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
             let ride = system.ride(after);
             row.wall = system.wall(after).number();
             row.acceleration = ride.acceleration(R::ZERO);
-            row.absorber_acceleration = row.acceleration;
+            let own = ride.acceleration_at(absorber.into(), R::ZERO);
+            row.absorber_acceleration = own.unwrap_or(row.acceleration);
         }
     }
 
@@ -180,6 +194,8 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
         if self.events {
             self.jumped = contact.states.map(|state| accelerations(system, state));
             self.energies = contact.states.map(|state| system.energy(state));
+            let seen = || contact.states.map(|state| system.primary(state));
+            self.elsewhere = system.has_points().then(seen);
         }
     }
 
@@ -191,11 +207,14 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
         let [[acceleration, absorber_acceleration], after] = self.jumped;
         let absorber = usize::from(impact.absorber);
         let (middle, d) = (system.offset_of(absorber), system.clearance_of(absorber));
+        let here = |v| Point { x: impact.displacement, v };
+        let here = [impact.velocity_before, impact.velocity_after].map(here);
+        let [seen_before, seen_after] = self.elsewhere.unwrap_or(here);
         let before = State {
             time: impact.time,
             absorber: impact.absorber,
-            displacement: impact.displacement,
-            velocity: impact.velocity_before,
+            displacement: seen_before.x,
+            velocity: seen_before.v,
             gap_displacement: middle + d * impact.wall.sign(),
             gap_velocity: impact.gap_velocity_before,
             wall: 0,
@@ -205,7 +224,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
             angle: angles.map(|[before, _]| before),
         };
         let after = State {
-            velocity: impact.velocity_after,
+            velocity: seen_after.v,
             gap_velocity: impact.gap_velocity_after,
             acceleration: after[0],
             absorber_acceleration: after[1],

@@ -334,6 +334,10 @@ pub trait Motion {
     fn acceleration(&self, h: Self::Real) -> Self::Real {
         self.primary(h).curvature
     }
+    /// Absolute acceleration of the structure at h where an absorber rides; `None` where the structure moves as one.
+    fn acceleration_at(&self, _absorber: usize, _h: Self::Real) -> Option<Self::Real> {
+        None
+    }
     /// Gap displacement and velocity at h.
     fn gap(&self, h: Self::Real) -> GapPoint<Self::Real>;
     /// Displacement and velocity of structure and gap at h.

@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 use super::forces;
 use super::free_mass::{self, Inclined};
 use super::given::Given;
+use super::modal;
 use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
@@ -53,13 +54,13 @@ pub struct Design<R: Real = f64> {
 
 impl<R: Real> Design<R> {
     /// The motion of the primary without absorber, see [`iva_core::steady::without_absorber`]; `None` in free
-    /// decay.
+    /// decay, and of a structure with several modes.
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
     pub fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
         let Self { scene, window, limits, .. } = self;
-        let Some(force) = scene.force() else { return Ok(None) };
+        let Some(force) = scene.force().filter(|_| !scene.has_modes()) else { return Ok(None) };
         let zeta = scene.damping_ratio();
         let from = (scene.primary(), self.begin);
         steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
@@ -165,6 +166,9 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
+        if let Some(structure) = self.spec.structure() {
+            return modal::scene(self, structure, start, force, scale);
+        }
         let units_of_first = self.spec.units_of(0);
         if self.spec.count() > 1 || units_of_first > 1 {
             if !LISTS {
@@ -239,6 +243,9 @@ impl<R: Real> Given<'_, R> {
     }
 
     pub(crate) fn scale(&self) -> Result<(Scale<R>, UnitSystem), Invalid> {
+        if let Some(structure) = self.spec.structure() {
+            return Ok(modal::scale(structure));
+        }
         self.at_most_one(&[FieldId::NaturalFrequency, FieldId::FrequencyHz, FieldId::Stiffness])?;
         let mass = self.get(FieldId::PrimaryMass);
         let omega = self

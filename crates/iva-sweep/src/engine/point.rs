@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::absorber::modal::Modal;
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
@@ -210,6 +211,8 @@ pub(crate) trait EstimatesOfAny<R: Real>:
     + Estimates<Siva<DrivenHost<R>>>
     + Estimates<Several<UndrivenHost<R>>>
     + Estimates<Several<DrivenHost<R>>>
+    + Estimates<Modal<UndrivenHost<R>>>
+    + Estimates<Modal<DrivenHost<R>>>
     + Estimates<Alone<UndrivenHost<R>>>
     + Estimates<Alone<DrivenHost<R>>>
     + Estimates<Piva<UndrivenHost<R>>>
@@ -222,6 +225,8 @@ impl<R: Real, E> EstimatesOfAny<R> for E where
         + Estimates<Siva<DrivenHost<R>>>
         + Estimates<Several<UndrivenHost<R>>>
         + Estimates<Several<DrivenHost<R>>>
+        + Estimates<Modal<UndrivenHost<R>>>
+        + Estimates<Modal<DrivenHost<R>>>
         + Estimates<Alone<UndrivenHost<R>>>
         + Estimates<Alone<DrivenHost<R>>>
         + Estimates<Piva<UndrivenHost<R>>>
@@ -273,7 +278,7 @@ pub(crate) fn list<R: Real, E>(
 /// The impulse of an impact, over the mass of the structure.
 fn gained<R: Real, S: Absorber<Real = R>>(system: &S, impact: &Impact<R>, approach: R) -> R {
     if system.absorbers() <= 1 {
-        return system.law_at(impact.wall, approach).gain * approach;
+        return system.impulse_at(impact.wall, approach) * approach;
     }
     let change = impact.absorber_velocity_after() - impact.absorber_velocity_before();
     change.abs() * system.mass_ratio_of(usize::from(impact.absorber))

@@ -168,7 +168,7 @@ fn largest_impulse<R: Real>(ended: &Ended<R>, scene: &Scene<R>) -> R {
     let gained = [Wall::Plus, Wall::Minus].map(|wall| {
         let speed = ended.tally.approach_speeds[wall.index()];
         // A pendulum that cannot reach its stops has no impact law.
-        if speed > 0.0 { scene.impact_gain(wall, speed).abs() * speed } else { R::ZERO }
+        if speed > 0.0 { scene.impulse_at(wall, speed).abs() * speed } else { R::ZERO }
     });
     R::larger(gained[0], gained[1])
 }

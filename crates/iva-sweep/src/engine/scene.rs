@@ -1,5 +1,6 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
+use iva_core::absorber::modal::Modal;
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
@@ -36,13 +37,18 @@ pub enum Scene<R: Real = f64> {
     Several(Box<Mounted<Several<UndrivenHost<R>>>>),
     /// Several free masses under force.
     DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
+    /// Free masses on a structure with several modes, in free decay.
+    Modal(Box<Mounted<Modal<UndrivenHost<R>>>>),
+    /// Free masses on a structure with several modes, under force.
+    DrivenModal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// A structure without absorber in free decay.
     Alone(Mounted<Alone<UndrivenHost<R>>>),
     /// A structure without absorber under force.
     DrivenAlone(Mounted<Alone<DrivenHost<R>>>),
 }
 
-/// Whether several absorbers are simulated as well: a program without sweeps is kept small, and does not.
+/// Whether several absorbers and structures with several modes are simulated as well: a program without sweeps is kept
+/// small, and does not.
 pub(crate) const LISTS: bool = cfg!(feature = "sweeps");
 
 /// Code for the system of a scene of any kind, with its start.
@@ -61,8 +67,14 @@ macro_rules! with_system {
             {
                 $body
             }
+            $crate::engine::scene::Scene::Modal($mounted) if $crate::engine::scene::LISTS => $body,
+            $crate::engine::scene::Scene::DrivenModal($mounted) if $crate::engine::scene::LISTS => {
+                $body
+            }
             $crate::engine::scene::Scene::Several(_)
-            | $crate::engine::scene::Scene::DrivenSeveral(_) => {
+            | $crate::engine::scene::Scene::DrivenSeveral(_)
+            | $crate::engine::scene::Scene::Modal(_)
+            | $crate::engine::scene::Scene::DrivenModal(_) => {
                 unreachable!("lists of absorbers are not built")
             }
             $crate::engine::scene::Scene::Alone($mounted) => $body,
@@ -128,6 +140,11 @@ impl<R: Real> Scene<R> {
         }
     }
 
+    /// True if the structure has several modes.
+    pub fn has_modes(&self) -> bool {
+        with_system!(self, |it| it.system.has_points())
+    }
+
     /// Displacement and velocity of the primary at time zero.
     pub fn primary(&self) -> Point<R> {
         with_system!(self, |it| it.system.primary(&it.system.begin(&it.start)))
@@ -145,10 +162,10 @@ impl<R: Real> Scene<R> {
         Some(with_system!(self, |it| it.system.walls_reachable()))
     }
 
-    /// Velocity that the structure gains in an impact of its only absorber on a wall, of an approach speed, per gap
-    /// velocity.
-    pub fn impact_gain(&self, wall: Wall, approach: R) -> R {
-        with_system!(self, |it| it.system.law_at(wall, approach).gain)
+    /// The impulse of an impact of the only absorber on a wall, of an approach speed, over the mass of the structure,
+    /// per gap velocity.
+    pub fn impulse_at(&self, wall: Wall, approach: R) -> R {
+        with_system!(self, |it| it.system.impulse_at(wall, approach))
     }
 
     /// The force that drives it; `None` in free decay.

@@ -32,22 +32,11 @@ pub(super) fn scene<R: Real>(
     units: UnitSystem,
 ) -> Result<Scene<R>, Invalid> {
     let (mut masses, mut gaps) = (Vec::new(), Vec::new());
-    for absorber in 0..given.spec.count() {
-        let given = given.of(absorber);
-        let gap = GapPoint {
-            y: given.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
-            w: given.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
-        };
-        let count = given.spec.units_of(absorber);
-        for unit in 0..count {
-            masses.push(mass(&given, (unit, count), scale, units)?);
-            gaps.push(gap);
-        }
-    }
-    if masses.len() > MOST_ABSORBERS {
-        let rule = format!("give {MOST_ABSORBERS} units of all absorbers at most");
-        return Err(Invalid::new("absorber", format!("{} units", masses.len()), rule));
-    }
+    each(given, scale, units, |_, mass, gap| {
+        masses.push(mass);
+        gaps.push(gap);
+        Ok(())
+    })?;
     let start = Starts::of(Point { x: start.displacement, v: start.velocity }, &gaps);
     let system = Several::of(given.damping_ratio(scale, units)?, &masses)?;
     system.check_start(&start).map_err(|error| of_owner(given, error))?;
@@ -59,8 +48,37 @@ pub(super) fn scene<R: Real>(
     Ok(Scene::DrivenSeveral(Box::new(Mounted { system, start, gravity })))
 }
 
+/// All units of all absorbers of a list: the number of the absorber, the unit, and its place in its gap.
+///
+/// # Errors
+/// [`Invalid`] for an absorber that a list does not take, too many units, a field out of range, and those of `take`.
+pub(super) fn each<R: Real>(
+    given: &Given<'_, R>,
+    scale: &Scale<R>,
+    units: UnitSystem,
+    mut take: impl FnMut(usize, FreeMass<R>, GapPoint<R>) -> Result<(), Invalid>,
+) -> Result<(), Invalid> {
+    let all = given.spec.owners().count();
+    if all > MOST_ABSORBERS {
+        let rule = format!("give {MOST_ABSORBERS} units of all absorbers at most");
+        return Err(Invalid::new("absorber", format!("{all} units"), rule));
+    }
+    for absorber in 0..given.spec.count() {
+        let given = given.of(absorber);
+        let gap = GapPoint {
+            y: given.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
+            w: given.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
+        };
+        let count = given.spec.units_of(absorber);
+        for unit in 0..count {
+            take(absorber, mass(&given, (unit, count), scale, units)?, gap)?;
+        }
+    }
+    Ok(())
+}
+
 /// An error of the start, whose field names the absorber of the list instead of its unit.
-fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
+pub(super) fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
     let named = error.field.strip_prefix("start.").and_then(|rest| rest.split_once('.'));
     let found = named.and_then(|(place, name)| {
         let owner = given.of(given.spec.owners().nth(place.parse().ok()?)?);
@@ -81,13 +99,16 @@ fn mass<R: Real>(
 ) -> Result<FreeMass<R>, Invalid> {
     let kind = given.choices().kind;
     if kind != Kind::Siva {
-        let field = format!("absorber.{}.kind", given.absorber);
-        let rule = "of several absorbers all are free masses (kind \"siva\")";
+        let field = match given.spec.count() {
+            1 => "absorber.kind".to_owned(),
+            _ => format!("absorber.{}.kind", given.absorber),
+        };
+        let rule = "several absorbers, and those on a structure with several modes, are free masses (kind \"siva\")";
         return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
     }
     for field in [FieldId::Inclination, FieldId::InclinationDeg] {
         if let Some(value) = given.get(field).filter(|value| *value != 0.0) {
-            let rule = "the line of motion of several absorbers is level; leave it out";
+            let rule = "the line of motion of several absorbers, and on a structure with several modes, is level; leave it out";
             return Err(Invalid::new(given.path(field), number(value), rule));
         }
     }

@@ -2,7 +2,7 @@
 
 use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
-use crate::absorber::{Absorber, Clock, Wall, impact};
+use crate::absorber::{Absorber, Clock, OnStructure as _, Wall, impact};
 use crate::error::Invalid;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -34,7 +34,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         H: 'a;
 
     fn absorbers(&self) -> usize {
-        N
+        self.count
     }
 
     fn at_hand(&self, state: &Self::State) -> usize {
@@ -76,7 +76,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         let shrinking = (R::ONE + e) / (R::ONE - e);
         let impulse = self.reduced(at_hand) * 2.0 * shrinking * place.rate.value.abs();
         let flight = self.flight(state);
-        (0..N).filter(|k| *k != at_hand).all(|k| {
+        (0..self.count).filter(|k| *k != at_hand).all(|k| {
             let Place { distance, rate, stuck, .. } = state.places[k];
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
             let kicked = impulse * both.sqrt();
@@ -88,15 +88,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
     }
 
     fn clearance(&self) -> R {
-        self.masses.iter().fold(R::INFINITY, |least, mass| least.min(mass.clearance))
+        let smallest = self.masses().iter().map(|mass| mass.clearance).reduce(R::min);
+        smallest.unwrap_or(R::ONE)
+    }
+
+    fn walls_reachable(&self) -> bool {
+        self.count > 0
     }
 
     fn clearance_of(&self, absorber: usize) -> R {
-        self.masses[absorber.min(N - 1)].clearance
+        self.masses[self.index(absorber)].clearance
     }
 
     fn offset_of(&self, absorber: usize) -> R {
-        self.masses[absorber.min(N - 1)].offset
+        self.masses[self.index(absorber)].offset
     }
 
     fn check_start(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
@@ -119,9 +124,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         wall_of(self.at_hand_of(state).2.side)
     }
 
-    /// As if the absorber at hand were in flight, also while it is stuck.
+    /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
         let Place { side, distance, rate, shaken, .. } = self.at_hand_of(state).2;
+        if self.count == 0 {
+            let value = if self.primary(state).x.is_finite() { R::ONE } else { R::NAN };
+            return Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO };
+        }
         let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| side * it);
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
@@ -136,7 +145,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         touching.phase = self.host.free().later(&state.phase, later);
         touching.places = std::array::from_fn(|k| {
             let (mass, place) = (&self.masses[k], &state.places[k]);
-            if place.stuck {
+            if place.stuck || k >= self.count {
                 return *place;
             }
             if k == at_hand {
@@ -172,7 +181,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
             let place = &state.places[k];
             let terms = || self.terms(state, self.shape(k)) * (R::EPSILON * RELEASED_ULPS);
             let falls = || place.side * place.shaken[1] > 0.0;
-            k == at_hand || (place.stuck && place.pressure() <= terms() && falls())
+            let used = k < self.count;
+            k == at_hand || (used && place.stuck && place.pressure() <= terms() && falls())
         });
         for (k, place) in after.places.iter_mut().enumerate() {
             *place = if leaves[k] { Place { stuck: false, ..*place } } else { place.moved(later) };

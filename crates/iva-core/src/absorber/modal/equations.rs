@@ -65,10 +65,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         rhs: [DoubleDouble<R>; N],
     ) -> [DoubleDouble<R>; N] {
         let (mut a, mut b) = (self.mobility, rhs);
-        for k in 0..N {
+        for k in 0..self.count {
             let own = DoubleDouble::new(R::ONE).over(self.masses[k].mass_ratio);
             a[k][k] = a[k][k] + own;
-            for l in 0..N {
+            for l in 0..self.count {
                 if l != k && !(included[k] && included[l]) {
                     a[k][l] = DoubleDouble::ZERO;
                 }
@@ -77,8 +77,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 b[k] = DoubleDouble::ZERO;
             }
         }
-        for p in 0..N {
-            for i in p + 1..N {
+        for p in 0..self.count {
+            for i in p + 1..self.count {
                 let share = a[i][p] / a[p][p];
                 let above = a[p];
                 for (element, over) in a[i].iter_mut().zip(above).skip(p) {
@@ -87,8 +87,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 b[i] = b[i] - share * b[p];
             }
         }
-        for p in (0..N).rev() {
-            for j in p + 1..N {
+        for p in (0..self.count).rev() {
+            for j in p + 1..self.count {
                 b[p] = b[p] - a[p][j] * b[j];
             }
             b[p] = b[p] / a[p][p];
@@ -235,6 +235,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let pushes = self.pushes(&state.phase, R::ONE);
                 let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
                 std::array::from_fn::<_, N, _>(|k| {
+                    if k >= self.count {
+                        return [R::ZERO; 4];
+                    }
                     let curved = self.curved(&rows, self.shape(k), &pushes, R::ONE);
                     [2, 3, 4, 5].map(|m| {
                         let factorial = [0.0, 0.0, 2.0, 6.0, 24.0, 120.0][m];

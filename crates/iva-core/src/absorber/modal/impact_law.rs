@@ -36,6 +36,9 @@ use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 
+/// A velocity in space below this, in units of 2⁻⁵² of the velocities that it is the sum of, is 0.
+const AT_REST_ULPS: f64 = 4.0;
+
 /// Impulses at one instant, and which of the stuck masses stay stuck.
 #[derive(Debug, Clone, Copy)]
 struct Blow<R, const N: usize> {
@@ -53,7 +56,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn struck(&self, state: &ModalState<H, N>) -> [Option<R>; N] {
         std::array::from_fn(|k| {
             let Place { side, distance, rate, stuck, .. } = state.places[k];
-            let strikes = !stuck && distance.value == 0.0 && rate.value < 0.0;
+            let strikes = k < self.count && !stuck && distance.value == 0.0 && rate.value < 0.0;
             strikes.then(|| self.masses[k].law(side).restitution)
         })
     }
@@ -79,7 +82,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         });
         let mut impulses = [DoubleDouble::ZERO; N];
         // No set comes twice; rounding could let two alternate that differ by nothing.
-        for _ in 0..2_usize << N {
+        for _ in 0..2_usize << self.count {
             let included = std::array::from_fn(|k| struck[k].is_some() || carried[k]);
             impulses = self.impulses(included, rhs);
             let breaks = |k: &usize| {
@@ -92,7 +95,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                         side * (self.pushed_by(*k, &impulses) + outside[*k]).value < 0.0
                     }
             };
-            if let Some(k) = (0..N).find(breaks) {
+            if let Some(k) = (0..self.count).find(breaks) {
                 carried[k] = !carried[k];
                 continue;
             }
@@ -104,7 +107,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
                 stuck && !carried[*k] && pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
             };
-            let Some(k) = (0..N).find(hopping) else { break };
+            let Some(k) = (0..self.count).find(hopping) else { break };
             (hops[k], carried[k]) = (true, true);
         }
         Blow { impulses, carried }
@@ -118,7 +121,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         outside: Option<DoubleDouble<R>>,
     ) -> ModalState<H, N> {
         let mut after = *state;
-        for k in 0..N {
+        for k in 0..self.count {
             let place = &mut after.places[k];
             place.stuck &= blow.carried[k];
             if place.stuck {
@@ -131,7 +134,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let [value, rest] = [gained.value, gained.rest].map(|part| place.side * part);
             place.rate = place.rate.plus_parts(value, rest);
         }
-        for (k, impulse) in blow.impulses.iter().enumerate() {
+        for (k, impulse) in blow.impulses[..self.count].iter().enumerate() {
             after.modes.push(self.shape(k), *impulse);
         }
         if let Some(impulse) = outside {
@@ -167,11 +170,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
     fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
-        let k = absorber.min(N - 1);
+        let k = self.index(absorber);
         let e = self.masses[k].law(R::from(wall.sign())).restitution;
         let impulse = (R::ONE + e) * self.reduced(k);
         let gain = impulse * self.mobility[k][k].value;
         LawAt::constant(e, e, gain, impulse * self.stiffened(k))
+    }
+
+    fn impulse_at(&self, wall: Wall, approach: R) -> R {
+        (self.law_at(wall, approach).restitution + 1.0) * self.reduced(0)
     }
 
     /// The record tells displacement and velocity of the structure at the point of the mass.
@@ -190,6 +197,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
         let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
+        // A mass at rest in space: its gap velocity is summed apart from that of the structure.
+        let at_rest = (v + w).abs() <= v.abs() * (R::EPSILON * AT_REST_ULPS);
+        let w = if at_rest { -v } else { w };
         let impact = Impact {
             time,
             absorber: state.at_hand,

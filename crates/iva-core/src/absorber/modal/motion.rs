@@ -49,6 +49,9 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                 let pushes = system.pushes(&from.phase, unit);
                 let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
                 let curved = std::array::from_fn(|k| {
+                    if k >= system.count {
+                        return Series::ZERO;
+                    }
                     let mut curved = system.curved(&rows, system.shape(k), &pushes, unit);
                     // At a release the acceleration is set to 0 without rounding.
                     if from.places[k].shaken[0] == 0.0 {
@@ -74,7 +77,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
 
     /// The index of the absorber at hand.
     fn at_hand(&self) -> usize {
-        usize::from(self.from.at_hand).min(N - 1)
+        self.system.index(self.from.at_hand.into())
     }
 
     fn is_stuck(&self) -> bool {
@@ -185,7 +188,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
             return work;
         }
         let mut momentum = seen(system.structure.participation().unwrap_or(&[]));
-        for (k, (mass, place)) in system.masses.iter().zip(&self.from.places).enumerate() {
+        for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
             let moving = if place.stuck {
                 seen(system.shape(k))
             } else {
@@ -228,7 +231,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let mut state = R::dispatched(
             #[inline(always)]
             || {
-                let places = std::array::from_fn(|k| self.place(k, h));
+                let mut places = self.from.places;
+                for (k, place) in places[..self.system.count].iter_mut().enumerate() {
+                    *place = self.place(k, h);
+                }
                 let free = self.system.host.free();
                 let phase = free.renewed(&free.within(&self.from.phase, h));
                 ModalState { modes: self.modes(h), places, phase, at_hand: self.from.at_hand }
@@ -252,16 +258,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         self.primary(h).curvature + horner(&self.base, self.share(h))
     }
 
+    fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
+        (absorber < self.system.count).then(|| self.place(absorber, h).shaken[0])
+    }
+
     fn gap(&self, h: R) -> GapPoint<R> {
         self.gap_of(self.at_hand(), h)
     }
 
     fn absorbers(&self) -> usize {
-        N
+        self.system.count
     }
 
     fn gap_of(&self, absorber: usize, h: R) -> GapPoint<R> {
-        let k = absorber.min(N - 1);
+        let k = self.system.index(absorber);
         self.place(k, h).gap(&self.system.masses[k])
     }
 
@@ -313,7 +323,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
 
     /// The structure is that at the point that the run sees, the absorber at its own point.
     fn travel_of(&self, absorber: usize) -> Option<Travel<R>> {
-        let (k, rows) = (absorber.min(N - 1), self.rows()?);
+        let (k, rows) = (self.system.index(absorber), self.rows()?);
         let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
         let GapPoint { y, w } = place.gap(mass);
         let curved = self.curved[k].row();

@@ -31,7 +31,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
     }
 
     fn mass_ratio_of(&self, absorber: usize) -> R {
-        self.masses[absorber.min(N - 1)].mass_ratio
+        self.masses[self.index(absorber)].mass_ratio
+    }
+
+    fn has_points(&self) -> bool {
+        true
     }
 
     /// Displacement and velocity of the point that the run sees.
@@ -47,7 +51,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
             let (q, v) = (state.modes.places[j].value, state.modes.velocities[j].value);
             sum += (stiffness.value * (q * q) + v * v) * 0.5;
         }
-        for (k, (mass, gap)) in self.masses.iter().zip(self.gaps(state)).enumerate() {
+        for (k, (mass, gap)) in self.masses().iter().zip(self.each_gap(state)).enumerate() {
             let [_, v] = state.modes.of_point(self.shape(k));
             let speed = v.value + gap.w;
             sum += mass.mass_ratio * 0.5 * (speed * speed);
@@ -60,7 +64,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
         let phase = self.host.after_impulse(&state.phase);
         let kicked = ModalState { phase, ..*state };
         let after = self.blown(&kicked, DoubleDouble::new(velocity));
-        if N > 1 {
+        if self.count > 1 {
             return after;
         }
         // The event loop asks for one mass only whether it presses on its wall still.

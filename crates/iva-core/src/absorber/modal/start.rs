@@ -2,7 +2,7 @@
 
 use super::state::{Modes, Place};
 use super::structure::same;
-use super::{MOST_MODES, Modal, ModalState};
+use super::{MOST, MOST_MODES, Modal, ModalState};
 use crate::absorber::Clock;
 use crate::absorber::siva::free_mass::check_place;
 use crate::error::Invalid;
@@ -14,9 +14,10 @@ use crate::segment::flight::GapPoint;
 
 /// A start: q and q̇ of the modes, and the place of each mass in its gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModalStart<R, const N: usize> {
+pub struct ModalStart<R, const N: usize = MOST> {
     displacements: [R; MOST_MODES],
     velocities: [R; MOST_MODES],
+    /// Of each absorber; those after the last absorber mean nothing.
     gaps: [GapPoint<R>; N],
 }
 
@@ -60,7 +61,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 }
             }
         }
-        for (k, (mass, GapPoint { y, w })) in self.masses.iter().zip(start.gaps).enumerate() {
+        for (k, (mass, GapPoint { y, w })) in self.masses().iter().zip(start.gaps).enumerate() {
             let field = |name: &str| format!("start.{k}.{name}");
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
@@ -77,10 +78,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let modes = Modes { places, velocities };
         let zero = DoubleDouble::ZERO;
         let side = R::ONE;
-        let free = Place { side, distance: zero, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
+        let far = DoubleDouble::new(R::ONE);
+        let free = Place { side, distance: far, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
         let mut state = ModalState { modes, places: [free; N], phase, at_hand: 0 };
         self.refresh(&mut state);
-        for (k, GapPoint { y, w }) in start.gaps.into_iter().enumerate() {
+        for (k, GapPoint { y, w }) in start.gaps.into_iter().take(self.count).enumerate() {
             let [_, v] = modes.of_point(self.shape(k));
             let shaken = state.places[k].shaken;
             let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));

@@ -1,6 +1,6 @@
 //! The state of the modes and of the masses.
 
-use super::MOST_MODES;
+use super::{MOST, MOST_MODES};
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
 use crate::host::{Host, Phase};
@@ -30,9 +30,9 @@ pub struct Place<R = f64> {
     pub(super) shaken: [R; 4],
 }
 
-/// The state of a structure with modes and of N masses between events.
+/// The state of a structure with modes and of its masses between events.
 #[derive(Debug, PartialEq)]
-pub struct ModalState<H: Host, const N: usize> {
+pub struct ModalState<H: Host, const N: usize = MOST> {
     pub(super) modes: Modes<H::Real>,
     pub(super) places: [Place<H::Real>; N],
     /// The state of the drive.

@@ -113,6 +113,15 @@ impl<R: Real> ModalStructure<R> {
         self.stiffness.get(mode).map(|square| square.value.sqrt())
     }
 
+    /// ζⱼ of a mode: its own damping, without what it exchanges with others, over 2ωⱼ.
+    pub fn damping_ratio(&self, mode: usize) -> Option<R> {
+        let rate = match &self.damping {
+            Damping::Separate(rates) => rates.get(mode)?.value,
+            Damping::Full(matrix) => *matrix.get(mode * (self.count() + 1))?,
+        };
+        Some(rate / (self.frequency(mode)? * 2.0))
+    }
+
     /// True if each mode has its own damping, and none exchanges energy with another in flight.
     pub fn is_separate(&self) -> bool {
         matches!(self.damping, Damping::Separate(_))

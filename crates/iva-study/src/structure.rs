@@ -1,0 +1,102 @@
+//! Reading and writing of the section `[structure]`.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use iva_sweep::design::Spec;
+use iva_sweep::structure::{ENTRIES, Entry, SECTION, Structure};
+use toml::de::DeValue;
+
+use crate::error::Error;
+use crate::source::Source;
+use crate::value::{Key, Value, as_number, entries, table, unknown_key};
+
+/// Reads the structure with several modes into a spec.
+///
+/// # Errors
+/// At the entry that is unknown, of another form, or does not fit the others.
+pub(crate) fn read(
+    source: &mut Source,
+    key: &Key<'_>,
+    value: &Value<'_>,
+    spec: Spec,
+) -> Result<Spec, Error> {
+    let section = table(source, SECTION, key, value)?;
+    source.note(SECTION.to_owned(), key.span());
+    let mut all = Vec::new();
+    for (key, value) in entries(section) {
+        let name = key.get_ref().as_ref();
+        if !ENTRIES.contains(&name) {
+            return Err(unknown_key(source, SECTION, key, &ENTRIES));
+        }
+        let path = format!("{SECTION}.{name}");
+        source.note(path.clone(), key.span().start..value.span().end);
+        all.push((name.to_owned(), entry(source, &path, value)?));
+    }
+    let structure = Structure::new(all).map_err(|invalid| source.locate(&invalid))?;
+    Ok(spec.with_structure(Arc::new(structure)))
+}
+
+/// The value of an entry.
+fn entry(source: &Source, path: &str, value: &Value<'_>) -> Result<Entry, Error> {
+    match value.get_ref() {
+        DeValue::String(name) => Ok(Entry::Name(name.to_string())),
+        DeValue::Array(items)
+            if items.iter().all(|it| it.get_ref().is_str()) && !items.is_empty() =>
+        {
+            let name = |it: &Value<'_>| it.get_ref().as_str().map(str::to_owned);
+            Ok(Entry::Names(items.iter().filter_map(name).collect()))
+        }
+        DeValue::Array(items) if items.iter().any(|it| it.get_ref().is_array()) => {
+            let rows = items.iter().map(|row| numbers(source, path, row));
+            Ok(Entry::Rows(rows.collect::<Result<_, _>>()?))
+        }
+        DeValue::Table(named) => {
+            let of = |(key, value): (&Key<'_>, &Value<'_>)| {
+                let name = key.get_ref().to_string();
+                let numbers = numbers(source, &format!("{path}.{name}"), value)?;
+                Ok((name, numbers))
+            };
+            Ok(Entry::Named(entries(named).into_iter().map(of).collect::<Result<_, Error>>()?))
+        }
+        _ => Ok(Entry::Numbers(numbers(source, path, value)?)),
+    }
+}
+
+/// A list of numbers.
+fn numbers(source: &Source, path: &str, value: &Value<'_>) -> Result<Vec<f64>, Error> {
+    let wrong = |at: &Value<'_>| source.bad_value(path, at.span(), "give a list of numbers");
+    let DeValue::Array(items) = value.get_ref() else { return Err(wrong(value)) };
+    let of = |item: &Value<'_>| as_number(item.get_ref()).ok_or_else(|| wrong(item));
+    items.iter().map(of).collect()
+}
+
+/// Writes the section.
+pub(crate) fn write(text: &mut String, structure: &Structure) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "\n[{SECTION}]");
+    for (name, entry) in structure.entries() {
+        let quoted = |text: &String| toml::Value::from(text.as_str()).to_string();
+        let numbers = |all: &Vec<f64>| {
+            let all: Vec<String> = all.iter().map(|value| format!("{value:?}")).collect();
+            format!("[{}]", all.join(", "))
+        };
+        let shown = match entry {
+            Entry::Name(one) => quoted(one),
+            Entry::Names(all) => {
+                format!("[{}]", all.iter().map(quoted).collect::<Vec<_>>().join(", "))
+            }
+            Entry::Numbers(all) => numbers(all),
+            Entry::Rows(rows) => {
+                format!("[{}]", rows.iter().map(numbers).collect::<Vec<_>>().join(", "))
+            }
+            Entry::Named(all) => {
+                let one = |(name, all): &(String, Vec<f64>)| {
+                    format!("{} = {}", quoted(name), numbers(all))
+                };
+                format!("{{ {} }}", all.iter().map(one).collect::<Vec<_>>().join(", "))
+            }
+        };
+        let _ = writeln!(text, "{name} = {shown}");
+    }
+}

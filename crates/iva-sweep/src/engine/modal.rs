@@ -1,0 +1,110 @@
+//! A scene of free masses on a structure with several modes.
+
+use iva_core::absorber::Absorber as _;
+use iva_core::absorber::Start;
+use iva_core::absorber::modal::{Modal, ModalStart};
+use iva_core::flight::GapPoint;
+use iva_core::force::Force;
+use iva_core::real::Real;
+
+use super::given::Given;
+use super::scale::Scale;
+use super::scene::{Mounted, Scene};
+use super::several;
+use crate::choices::Kind;
+use crate::error::{Invalid, number};
+use crate::fields::{FieldId, Part};
+use crate::forces::RecordKind;
+use crate::slot::Slot;
+use crate::structure::{Structure, path};
+use crate::units::UnitSystem;
+
+/// The unit of time is that of the first mode, the unit of mass 1 kg.
+pub(super) fn scale<R: Real>(structure: &Structure) -> (Scale<R>, UnitSystem) {
+    let natural_frequency = R::from(structure.natural_frequency());
+    (Scale { natural_frequency, mass: R::ONE }, UnitSystem::Si)
+}
+
+/// The scene of all absorbers of a list, or of none, on a structure.
+///
+/// # Errors
+/// [`Invalid`] for what the structure has already or does not take, and as of several absorbers.
+pub(super) fn scene<R: Real>(
+    given: &Given<'_, R>,
+    structure: &Structure,
+    start: Start<R>,
+    force: Force<R>,
+    scale: &Scale<R>,
+) -> Result<Scene<R>, Invalid> {
+    fits(given)?;
+    let omega = structure.natural_frequency();
+    let modes = structure.modes::<R>(omega)?;
+    let (mut masses, mut gaps) = (Vec::new(), Vec::new());
+    let absorbers = given.spec.count();
+    if given.spec.choices().kind != Kind::None {
+        several::each(given, scale, UnitSystem::Si, |absorber, mass, gap| {
+            masses.push((mass, structure.absorber_at(absorber, absorbers)?));
+            gaps.push(gap);
+            Ok(())
+        })?;
+    }
+    let first = masses.first().map(|(_, point)| *point).or_else(|| structure.points().next());
+    let seen = structure.seen_at().or(first).unwrap_or_default();
+    let pushed = structure.force_at().or(first).unwrap_or_default();
+    let primary = [start.displacement, start.velocity];
+    let [displacements, velocities] = structure.begin(&modes, (seen, primary), omega)?;
+    let unused = GapPoint { y: R::ZERO, w: R::ZERO };
+    let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
+    let start = ModalStart::new(&displacements, &velocities, gaps)?;
+    let system = Modal::of(modes, &masses)?.seen_at(seen)?;
+    system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
+    let gravity = None;
+    if force.is_none() {
+        return Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })));
+    }
+    let system = system.under(force, pushed).map_err(named)?;
+    Ok(Scene::DrivenModal(Box::new(Mounted { system, start, gravity })))
+}
+
+/// An error of the core with the name that the user knows.
+fn named(error: Invalid) -> Invalid {
+    match error.field.as_str() {
+        "force.point" => Invalid { field: path("force_at"), ..error },
+        "structure.participation" => Invalid {
+            field: path("base"),
+            allowed: "a moving base needs how each mode takes part in it (Γ), or for matrices how far each \
+                      coordinate moves with it (1 where all of its motion is that of the base)"
+                .to_owned(),
+            ..error
+        },
+        _ => error,
+    }
+}
+
+/// Checks that a scene has nothing that a structure with several modes does not take.
+fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
+    let of_primary = |slot: Slot| slot.info().part == Part::Primary;
+    for (slot, value) in given.spec.given() {
+        let rule = match slot.field {
+            _ if of_primary(slot) => "the structure has it already; leave it out",
+            FieldId::MassRatio => "on a structure with several modes give mass (kg)",
+            FieldId::ReferenceSpeed | FieldId::YieldSpeed => {
+                "on a structure with several modes the restitution is a number; leave it out"
+            }
+            FieldId::ContactStiffness => "on a structure with several modes give contact_time",
+            FieldId::Amplitude => {
+                "on a structure with several modes give force (N) or base_acceleration"
+            }
+            FieldId::ImpulseVelocity => "on a structure with several modes give impulse (N s)",
+            _ => continue,
+        };
+        return Err(Invalid::new(slot.path(), number(value), rule));
+    }
+    let mut records = given.spec.forces().iter().filter_map(|force| force.record.as_ref());
+    if records.any(|record| record.kind == RecordKind::Force) {
+        let rule =
+            "on a structure with several modes give \"force_newtons\" or \"base_acceleration\"";
+        return Err(Invalid::new("force.kind", "\"force\"", rule));
+    }
+    Ok(())
+}

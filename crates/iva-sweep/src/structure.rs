@@ -1,0 +1,291 @@
+//! A structure with several modes as given by the user, in SI units.
+//!
+//! It takes the place of the fields of the primary. Its entries have the same names in a study file, where they are the
+//! section `[structure]`, and in Python. Either its modes are given or its matrices.
+
+use iva_core::absorber::modal::ModalStructure;
+use iva_core::error::{Invalid, number};
+use iva_core::number::real::Real;
+
+use crate::fields::nearest;
+
+use reader::{Reader, counted, form};
+
+mod reader;
+
+/// Name of the section.
+pub const SECTION: &str = "structure";
+
+/// Names of its entries, in the order in which they are written.
+pub const ENTRIES: [&str; 13] = [
+    "frequencies",
+    "frequencies_hz",
+    "damping_ratios",
+    "mass",
+    "stiffness",
+    "damping",
+    "points",
+    "base",
+    "absorber_at",
+    "force_at",
+    "seen_at",
+    "start_displacements",
+    "start_velocities",
+];
+
+/// A first frequency below this share of the largest is that of a structure that is free to move, but for rounding.
+const ROUNDING: f64 = 1e-7;
+
+/// The value of an entry.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    /// A name.
+    Name(String),
+    /// Names.
+    Names(Vec<String>),
+    /// Numbers.
+    Numbers(Vec<f64>),
+    /// The rows of a matrix.
+    Rows(Vec<Vec<f64>>),
+    /// Numbers by name.
+    Named(Vec<(String, Vec<f64>)>),
+}
+
+/// A structure with several modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    entries: Vec<(&'static str, Entry)>,
+    system: System,
+    /// Named points, with the mass-normalised shapes of the modes there in kg^(−1/2); without shapes where the points are
+    /// the coordinates of matrices.
+    points: Vec<(String, Vec<f64>)>,
+    /// Of each mode or coordinate: how it takes part in a motion of the base.
+    base: Option<Vec<f64>>,
+    absorbers_at: Vec<String>,
+    force_at: Option<String>,
+    seen_at: Option<String>,
+    /// Of each mode, in m kg^(1/2), or of each coordinate in m; and their rates.
+    begun: [Vec<f64>; 2],
+    /// ω of the first mode in rad/s, whose reciprocal is the unit of time.
+    natural_frequency: f64,
+}
+
+/// Names of points, each with the shapes of all modes there.
+type Points = Vec<(String, Vec<f64>)>;
+
+/// What moves.
+#[derive(Debug, Clone, PartialEq)]
+enum System {
+    /// Frequencies in rad/s, or in Hz, and damping ratios.
+    Modes { frequencies: Vec<f64>, hertz: bool, damping_ratios: Vec<f64> },
+    /// Matrices of n rows, row by row.
+    Matrices { mass: Vec<f64>, stiffness: Vec<f64>, damping: Vec<f64> },
+}
+
+impl Structure {
+    /// A structure from its entries.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the entry that is unknown, missing, of another form, or does not fit the others.
+    pub fn new(given: impl IntoIterator<Item = (String, Entry)>) -> Result<Self, Invalid> {
+        let mut entries: Vec<(&'static str, Entry)> = Vec::new();
+        for (name, entry) in given {
+            let Some(known) = ENTRIES.into_iter().find(|it| *it == name) else {
+                let near = nearest(&name, ENTRIES.into_iter());
+                let rule = near.map_or_else(
+                    || format!("no such entry; there are {}", ENTRIES.join(", ")),
+                    |near| format!("no such entry; did you mean `{near}`?"),
+                );
+                return Err(Invalid::new(SECTION, format!("`{name}`"), rule));
+            };
+            entries.push((known, entry));
+        }
+        entries.sort_by_key(|(name, _)| ENTRIES.iter().position(|it| it == name));
+        let read = Reader { entries: &entries };
+        let (system, points) = read.system()?;
+        let n = match &system {
+            System::Modes { frequencies, .. } => frequencies.len(),
+            System::Matrices { .. } => points.len(),
+        };
+        let base = read.numbers("base")?.map(|numbers| counted("base", numbers, n)).transpose()?;
+        let begun = |name| -> Result<Vec<f64>, Invalid> {
+            read.numbers(name)?.map_or(Ok(Vec::new()), |numbers| counted(name, numbers, n))
+        };
+        let begun = [begun("start_displacements")?, begun("start_velocities")?];
+        let named = |name| -> Result<Option<String>, Invalid> {
+            read.names(name)?.map_or(Ok(None), |names| match names.as_slice() {
+                [one] => Ok(Some(one.clone())),
+                _ => Err(form(name, "the name of a point")),
+            })
+        };
+        let [force_at, seen_at] = [named("force_at")?, named("seen_at")?];
+        let absorbers_at = read.names("absorber_at")?.unwrap_or_default();
+        for (field, given) in [("force_at", force_at.as_slice()), ("seen_at", seen_at.as_slice())]
+            .into_iter()
+            .chain([("absorber_at", &absorbers_at[..])])
+        {
+            let unknown = given.iter().find(|name| points.iter().all(|(it, _)| it != *name));
+            if let Some(name) = unknown {
+                let all: Vec<&str> = points.iter().map(|(name, _)| name.as_str()).collect();
+                let rule = format!("give one of the points {}", all.join(", "));
+                return Err(Invalid::new(path(field), format!("\"{name}\""), rule));
+            }
+        }
+        let mut structure = Self {
+            entries,
+            system,
+            points,
+            base,
+            absorbers_at,
+            force_at,
+            seen_at,
+            begun,
+            natural_frequency: 1.0,
+        };
+        let modes: ModalStructure = structure.modes(1.0)?;
+        let frequencies = (0..n).filter_map(|mode| modes.frequency(mode));
+        let first = modes.frequency(0).unwrap_or(0.0);
+        if first <= ROUNDING * frequencies.fold(0.0, f64::max) {
+            let rule = "that of the first mode is the unit of time, and this is 0 or rounding; hold the structure";
+            return Err(Invalid::new(path("frequencies"), number(first), rule));
+        }
+        structure.natural_frequency = first;
+        Ok(structure)
+    }
+
+    /// The entries given.
+    pub fn entries(&self) -> &[(&'static str, Entry)] {
+        &self.entries
+    }
+
+    /// ω of the first mode, in rad/s.
+    pub fn natural_frequency(&self) -> f64 {
+        self.natural_frequency
+    }
+
+    /// Its modes in SI units.
+    ///
+    /// # Errors
+    /// As [`Structure::new`], which has made them once.
+    pub fn in_si(&self) -> Result<ModalStructure, Invalid> {
+        self.modes(1.0)
+    }
+
+    /// Names of its points.
+    pub fn points(&self) -> impl Iterator<Item = &str> {
+        self.points.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The point at which the absorber of this number rides, of so many.
+    ///
+    /// # Errors
+    /// [`Invalid`] where no point is given, or not one for each.
+    pub(crate) fn absorber_at(&self, absorber: usize, count: usize) -> Result<&str, Invalid> {
+        match self.absorbers_at.as_slice() {
+            [one] => Ok(one),
+            [] => match self.points.as_slice() {
+                [(one, _)] => Ok(one),
+                _ => {
+                    let names: Vec<&str> = self.points().collect();
+                    let rule = format!("give one of the points {}", names.join(", "));
+                    Err(Invalid::missing(path("absorber_at"), rule))
+                }
+            },
+            all if all.len() == count => Ok(&all[absorber]),
+            all => {
+                let rule = format!("give one point for all, or {count}, one for each absorber");
+                Err(Invalid::new(path("absorber_at"), format!("{} names", all.len()), rule))
+            }
+        }
+    }
+
+    /// The point at which the force acts.
+    pub(crate) fn force_at(&self) -> Option<&str> {
+        self.force_at.as_deref()
+    }
+
+    /// The point that runs see.
+    pub(crate) fn seen_at(&self) -> Option<&str> {
+        self.seen_at.as_deref()
+    }
+
+    /// The structure of the core, with 1/`omega` (in s) as the unit of time.
+    ///
+    /// # Errors
+    /// As of the core.
+    pub(crate) fn modes<R: Real>(&self, omega: f64) -> Result<ModalStructure<R>, Invalid> {
+        let omega = R::from(omega);
+        let number = |values: &[f64]| -> Vec<R> { values.iter().copied().map(R::from).collect() };
+        let (mut modes, mass) = match &self.system {
+            System::Modes { frequencies, hertz, damping_ratios } => {
+                let unit = if *hertz { R::TURN.value } else { R::ONE };
+                let of = |frequency: &f64| unit * R::from(*frequency) / omega;
+                let frequencies: Vec<R> = frequencies.iter().map(of).collect();
+                (ModalStructure::new(&frequencies, &number(damping_ratios))?, None)
+            }
+            System::Matrices { mass, stiffness, damping } => {
+                let names: Vec<&str> = self.points().collect();
+                let scaled = |values: &[f64], by: R| -> Vec<R> {
+                    values.iter().map(|value| R::from(*value) / by).collect()
+                };
+                let mass = number(mass);
+                let [stiffness, damping] =
+                    [scaled(stiffness, omega * omega), scaled(damping, omega)];
+                let modes = ModalStructure::from_matrices(&names, &mass, &stiffness, &damping)?;
+                (modes, Some(mass))
+            }
+        };
+        for (name, shapes) in self.points.iter().filter(|_| mass.is_none()) {
+            modes = modes.with_point(name, &number(shapes))?;
+        }
+        let Some(base) = &self.base else { return Ok(modes) };
+        let base = number(base);
+        let parts = match &mass {
+            Some(mass) => modes.modal(mass, &base)?,
+            None => base,
+        };
+        modes.with_base(&parts)
+    }
+
+    /// q and q̇ of all modes at the begin, of which those of the first mode are what the point seen does there by
+    /// `primary`: its displacement and velocity. The rates are in the unit of time of `modes`, that is 1/`omega`.
+    ///
+    /// # Errors
+    /// [`Invalid`] if the point seen is at a node of the first mode and is to move.
+    pub(crate) fn begin<R: Real>(
+        &self,
+        modes: &ModalStructure<R>,
+        (seen, primary): (&str, [R; 2]),
+        omega: f64,
+    ) -> Result<[Vec<R>; 2], Invalid> {
+        let mut begun = [Vec::new(), Vec::new()];
+        for (k, (given, all)) in self.begun.iter().zip(&mut begun).enumerate() {
+            let unit = R::from(if k == 0 { 1.0 } else { omega });
+            let given: Vec<R> = given.iter().map(|value| R::from(*value) / unit).collect();
+            *all = match &self.system {
+                System::Matrices { mass, .. } if !given.is_empty() => {
+                    let mass: Vec<R> = mass.iter().copied().map(R::from).collect();
+                    modes.modal(&mass, &given)?
+                }
+                _ if given.is_empty() => vec![R::ZERO; modes.count()],
+                _ => given,
+            };
+            if primary[k] == 0.0 {
+                continue;
+            }
+            let shape = modes.shapes(seen).and_then(|shapes| shapes.first()).copied();
+            let Some(shape) = shape.filter(|shape| *shape != 0.0) else {
+                let field = ["start.displacement", "start.velocity"][k];
+                let rule = format!("{seen} is at a node of the first mode; give structure.seen_at");
+                return Err(Invalid::new(field, crate::number(primary[k]), rule));
+            };
+            all[0] += primary[k] / shape;
+        }
+        Ok(begun)
+    }
+}
+
+/// The path of an entry.
+pub(crate) fn path(entry: &str) -> String {
+    format!("{SECTION}.{entry}")
+}

@@ -1,0 +1,282 @@
+"""Structures with several modes, which take the place of :class:`iva.Primary`.
+
+What the entries mean stands in the compiled part, which checks them; the class here only carries
+them. Study files have the same entries in their section ``[structure]``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+
+from iva import _iva
+from iva.parameters import is_list, number, numbers, shown
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from typing import Any
+
+    import polars as pl
+
+    Numbers = float | Iterable[float]
+    Matrix = Iterable[Iterable[float]]
+
+#: The entries by their form.
+NUMBERS = (
+    "frequencies",
+    "frequencies_hz",
+    "damping_ratios",
+    "base",
+    "start_displacements",
+    "start_velocities",
+)
+MATRICES = ("mass", "stiffness", "damping")
+NAMES = ("absorber_at", "force_at", "seen_at")
+
+
+@spell_checked
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Structure:
+    """A structure with several modes, in SI units, in the place of :class:`iva.Primary`.
+
+    Either its modes are given (frequencies, damping ratios, shapes) or its matrices of mass,
+    stiffness and damping. Absorbers ride at points of it: free masses on a level line of motion,
+    with their `mass` in kg.
+
+    Runs see the structure at one point, `seen_at`; measures, envelopes and trajectories tell its
+    motion there. Periods, settling times and `relative_frequency` go by the first mode.
+    ``start.displacement`` and ``start.velocity`` are what the point seen does in the first mode.
+
+    Parameters
+    ----------
+    frequencies : sequence of float, shape (n,), optional
+        Natural frequencies of the modes in rad/s, the first > 0.
+    frequencies_hz : sequence of float, shape (n,), optional
+        The same in Hz.
+    damping_ratios : float or sequence of float, shape (n,), optional
+        Damping ratios of the modes; 0 by default.
+    mass, stiffness, damping : array_like, shape (n, n), optional
+        Symmetric matrices in kg, N/m and N s/m (or with angles as coordinates in the units that go
+        with them), instead of modes. Without `damping` there is none; it need not be proportional.
+    points : mapping of str to sequence of float, or sequence of str
+        For modes: the mass-normalised shapes of all modes at each named point, in kg^(-1/2). For
+        matrices: the names of their coordinates.
+    base : sequence of float, shape (n,), optional
+        How a motion of the base takes part, which only ``base_acceleration`` needs: for modes their
+        participation factors φᵀ M r in kg^(1/2), for matrices the displacement r of each coordinate
+        as the base moves by 1.
+    absorber_at : str or sequence of str, optional
+        The point at which the absorber rides, or those of all absorbers of a list; needed where
+        there are several points.
+    force_at : str, optional
+        The point at which forces act; by default that of the first absorber.
+    seen_at : str, optional
+        The point that runs see; by default that of the first absorber.
+    start_displacements, start_velocities : sequence of float, shape (n,), optional
+        Start of the coordinates of matrices in m and m/s, or of the modes in m kg^(1/2) and its
+        rate; added to what ``start`` says.
+
+    Raises
+    ------
+    TypeError
+        If a value is of another form.
+    ValueError
+        If entries do not fit each other, or a matrix is not what it must be.
+
+    Notes
+    -----
+    Between impacts the motion is a power series of the linear system with a bound on what is left
+    out, impacts are Newton's law at the points; see "More than one" in the documentation.
+
+    Examples
+    --------
+    Two storeys, with the absorber on the upper one:
+
+    >>> frame = Structure(
+    ...     points=["first", "top"],
+    ...     mass=[[2000.0, 0.0], [0.0, 1000.0]],
+    ...     stiffness=[[300e3, -100e3], [-100e3, 100e3]],
+    ...     damping=[[300.0, -100.0], [-100.0, 100.0]],
+    ...     absorber_at="top",
+    ... )
+    >>> frame.modes()["frequency_hz"].round(3).to_list()
+    [1.218, 2.25]
+    """
+
+    frequencies: Sequence[float] | None = None
+    frequencies_hz: Sequence[float] | None = None
+    damping_ratios: float | Sequence[float] | None = None
+    mass: Sequence[Sequence[float]] | None = None
+    stiffness: Sequence[Sequence[float]] | None = None
+    damping: Sequence[Sequence[float]] | None = None
+    points: Mapping[str, Sequence[float]] | Sequence[str] | None = None
+    base: Sequence[float] | None = None
+    absorber_at: str | Sequence[str] | None = None
+    force_at: str | None = None
+    seen_at: str | None = None
+    start_displacements: Sequence[float] | None = None
+    start_velocities: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        """Turn every number into a float, and check that the entries fit each other."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None:
+                object.__setattr__(self, field.name, entry(field.name, value))
+        _iva.modes(self._entries())
+
+    def __repr__(self) -> str:
+        """Show what was given, as an expression that gives it again."""
+        return f"Structure({', '.join(f'{k}={v!r}' for k, v in self._entries().items())})"
+
+    def _entries(self) -> dict[str, Any]:
+        """Return the entries given, by name."""
+        values = ((field.name, getattr(self, field.name)) for field in fields(self))
+        return {name: value for name, value in values if value is not None}
+
+    def _moves_as_seen(self) -> bool:
+        """Return whether all absorbers ride at the point that runs see."""
+        at = (
+            {self.absorber_at} if isinstance(self.absorber_at, str) else set(self.absorber_at or ())
+        )
+        return len(at | ({self.seen_at} if self.seen_at and at else set())) <= 1
+
+    def modes(self) -> pl.DataFrame:
+        """Return the modes, a row for each.
+
+        Returns
+        -------
+        polars.DataFrame, n rows
+            ``mode`` (from 1), ``frequency`` in rad/s, ``frequency_hz``, ``damping_ratio``, and
+            ``shape_`` with the name of each point: the mass-normalised shape there in kg^(-1/2).
+
+        Examples
+        --------
+        >>> Structure(frequencies_hz=[1, 3], points={"top": [0.1, 0.2]}).modes().columns
+        ['mode', 'frequency', 'frequency_hz', 'damping_ratio', 'shape_top']
+        """
+        import polars as pl
+
+        each, points, _ = _iva.modes(self._entries())
+        frequencies, damping_ratios = zip(*each, strict=True)
+        return pl.DataFrame(
+            {
+                "mode": range(1, len(each) + 1),
+                "frequency": frequencies,
+                "frequency_hz": [frequency / (2 * math.pi) for frequency in frequencies],
+                "damping_ratio": damping_ratios,
+                **{f"shape_{name}": shapes for name, shapes in points},
+            }
+        )
+
+    @classmethod
+    def read(cls, file: str | PathLike[str], **entries: Any) -> Structure:
+        """Read modes from a CSV file, a row for each mode.
+
+        Parameters
+        ----------
+        file : path
+            Its columns are ``frequency`` (rad/s) or ``frequency_hz``, ``damping_ratio`` if there is
+            any, ``base`` if the base moves, and ``shape_`` with the name of each point, as
+            :meth:`modes` returns them. Other columns are left alone.
+        **entries
+            All other parameters of the class.
+
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        ValueError
+            If a column is missing or has something else than numbers.
+        OSError
+            If the file cannot be read.
+        """
+        import polars as pl
+
+        frame = pl.read_csv(Path(file))
+        points = {
+            name.removeprefix("shape_"): column(frame, name)
+            for name in frame.columns
+            if name.startswith("shape_")
+        }
+        if not points:
+            raise ValueError(f"{file}: there is no column shape_…, with the shapes at a point")
+        found: dict[str, Any] = {"points": points}
+        for name, told in (
+            ("frequency", "frequencies"),
+            ("frequency_hz", "frequencies_hz"),
+            ("damping_ratio", "damping_ratios"),
+            ("base", "base"),
+        ):
+            if name in frame.columns and not (told == "frequencies_hz" and "frequencies" in found):
+                found[told] = column(frame, name)
+        return cls(**(found | entries))
+
+
+def column(frame: pl.DataFrame, name: str) -> list[float]:
+    """Return a column of numbers.
+
+    Raises
+    ------
+    ValueError
+        If it has something else.
+    """
+    values = frame[name]
+    if not values.dtype.is_numeric() or values.null_count():
+        raise ValueError(f"column {name}: give a number in every row")
+    return [float(value) for value in values]
+
+
+def entry(name: str, value: Any) -> Any:
+    """Return an entry with floats for all numbers and plain containers.
+
+    Raises
+    ------
+    TypeError
+        If it is of another form.
+    """
+    path = f"structure.{name}"
+    if name in NUMBERS:
+        if name == "damping_ratios" and not is_list(value):
+            return [number(path, value)]
+        return numbers(path, value)
+    if name in MATRICES:
+        if not is_list(value):
+            raise TypeError(f"{path} = {shown(value)}: give the rows of a matrix")
+        return [numbers(f"{path}[{row}]", values) for row, values in enumerate(value)]
+    if name in NAMES:
+        return word_or_words(path, value)
+    if isinstance(value, Mapping):
+        return {
+            word_of(path, point): numbers(f"{path}[{point!r}]", shapes)
+            for point, shapes in value.items()
+        }
+    return word_or_words(path, value)
+
+
+def word_or_words(path: str, value: object) -> str | list[str]:
+    """Return a name, or a list of names."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Iterable):
+        raise TypeError(f"{path} = {shown(value)}: give the name of a point")
+    return [word_of(path, one) for one in value]
+
+
+def word_of(path: str, value: object) -> str:
+    """Return a name.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{path} = {shown(value)}: give the name of a point")
+    return value

@@ -1,0 +1,317 @@
+"""Structures with several modes, as studies and Python give them.
+
+Numbers come from SciPy: the matrix exponential and frequency responses of the same matrices, and
+DOP853 with event location for impacts. The core has references to 150 digits of its own.
+"""
+
+from __future__ import annotations
+
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from numpy.typing import NDArray
+from polars.testing import assert_frame_equal
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh, expm
+
+import iva
+
+Array = NDArray[np.float64]
+
+#: Two storeys whose damping is not proportional.
+MASS = np.array([[2000.0, 0.0], [0.0, 1000.0]])
+STIFFNESS = np.array([[300e3, -100e3], [-100e3, 100e3]])
+DAMPING = np.array([[900.0, -100.0], [-100.0, 100.0]])
+FRAME: dict[str, Any] = {
+    "points": ["first", "top"],
+    "mass": MASS,
+    "stiffness": STIFFNESS,
+    "damping": DAMPING,
+    "absorber_at": "top",
+}
+SIVA = iva.Siva(mass=60.0, restitution=0.6, clearance=0.01)
+START = iva.Start(displacement=0.05)
+
+
+def frame(**more: Any) -> iva.Structure:
+    """Return the two storeys with other entries."""
+    return iva.Structure(**(FRAME | more))
+
+
+def rates(state: Array) -> Array:
+    """Return the rates of x₁, x₂, ẋ₁, ẋ₂ of the frame in flight."""
+    x, v = state[:2], state[2:4]
+    return np.concatenate([v, np.linalg.solve(MASS, -STIFFNESS @ x - DAMPING @ v)])
+
+
+def in_mode_one(displacement: float) -> Array:
+    """Return the displacements of the first mode of which the top has this one."""
+    _, shapes = eigh(STIFFNESS, MASS)
+    return np.asarray(shapes[:, 0] / shapes[1, 0] * displacement)
+
+
+def test_one_mode_is_a_primary() -> None:
+    """The same scene, by two ways through the core: to a few rounding units."""
+    scale = 2.5
+    one = iva.Structure(frequencies=[3.0], damping_ratios=0.02, points={"it": [scale]})
+    # A shape φ makes the mass 1/φ².
+    primary = iva.Primary(mass=scale**-2, natural_frequency=3.0, damping_ratio=0.02)
+    absorber = iva.Siva(mass=0.02, restitution=0.6, clearance=0.02)
+    found, known = (
+        iva.simulate(absorber, it, start=iva.Start(displacement=0.05), periods=12)
+        for it in (one, primary)
+    )
+    assert found.impacts.height == known.impacts.height > 10
+    for name in ("time", "displacement", "velocity_after", "approach_velocity", "energy_loss"):
+        there, here = known.impacts[name].to_numpy(), found.impacts[name].to_numpy()
+        assert np.abs(there - here).max() < 3e-13 * np.abs(there).max()
+    for name in ("settling_time_10", "residual_amplitude", "energy_viscous", "impulse_max"):
+        assert found.summary[name].item() == pytest.approx(known.summary[name].item(), rel=1e-12)
+    assert_frame_equal(
+        found.trajectory(20).drop("time"), known.trajectory(20).drop("time"), abs_tol=1e-12
+    )
+
+
+def test_the_structure_alone_swings_as_the_matrix_exponential_says() -> None:
+    """That of SciPy is right to some 1e-13 here: it squares a matrix of norm 800."""
+    start = [0.03, -0.02]
+    run = iva.simulate(
+        None, frame(start_displacements=start, seen_at="first"), start=iva.Start(), periods=3
+    )
+    motion = run.trajectory(20)
+    a = np.block(
+        [
+            [np.zeros((2, 2)), np.eye(2)],
+            [-np.linalg.solve(MASS, STIFFNESS), -np.linalg.solve(MASS, DAMPING)],
+        ]
+    )
+    for t, x, v in motion.select("time", "displacement", "velocity").iter_rows():
+        state = expm(a * t) @ [*start, 0.0, 0.0]
+        assert x == pytest.approx(state[0], abs=1e-13)
+        assert v == pytest.approx(state[2], abs=1e-12)
+    assert run.summary["impacts"].item() is None or run.summary["impacts"].item() == 0
+
+
+@pytest.mark.parametrize("at", ["first", "top"])
+def test_impacts_are_those_of_an_integrator(at: str) -> None:
+    """DOP853 with its own events; each error grows by the impacts before it."""
+    k = FRAME["points"].index(at)
+    x = in_mode_one(0.05)
+    run = iva.simulate(SIVA, frame(absorber_at=at, seen_at="top"), start=START, duration=6.0)
+    mass, d, e = 60.0, 0.01, 0.6
+
+    def moving(_: float, z: Array) -> Array:
+        return np.concatenate([rates(z[:4]), [z[5], 0.0]])
+
+    def plus(_: float, z: Array) -> float:
+        return float(d - (z[4] - z[k]))
+
+    def minus(_: float, z: Array) -> float:
+        return float(d + (z[4] - z[k]))
+
+    for wall in (plus, minus):
+        wall.terminal, wall.direction = True, -1.0  # type: ignore[attr-defined]
+    time, state = 0.0, np.array([*x, 0.0, 0.0, x[k], 0.0])
+    found: list[tuple[float, float, float]] = []
+    reduced = 1.0 / (1.0 / mass + 1.0 / MASS[k, k])
+    while len(found) < 25:
+        # The steps are short, for a contact between two steps of an integrator is missed.
+        step = solve_ivp(
+            moving,
+            (time, 6.0),
+            state,
+            "DOP853",
+            events=(plus, minus),
+            rtol=1e-13,
+            atol=1e-15,
+            max_step=2e-3,
+        )
+        time, state = float(step.t[-1]), step.y[:, -1].copy()
+        if step.status == 0:
+            break
+        impulse = (1.0 + e) * reduced * (state[5] - state[2 + k])
+        state[2 + k] += impulse / MASS[k, k]
+        state[5] -= impulse / mass
+        found.append((time, state[2 + k], impulse))
+    count = min(len(found), run.impacts.height)
+    assert count > 5
+    times, after, impulses = np.array(found[:count]).T
+    hits = run.impacts.head(count)
+    assert np.abs(hits["time"].to_numpy() - times).max() < 1e-8
+    assert np.abs(hits["velocity_after"].to_numpy() - after).max() < 1e-7
+    told = mass * (hits["absorber_velocity_before"] - hits["absorber_velocity_after"])
+    assert np.abs(told.to_numpy() - impulses).max() < 1e-5
+    own = mass * (run.impacts["absorber_velocity_before"] - run.impacts["absorber_velocity_after"])
+    assert run.summary["impulse_max"].item() == pytest.approx(own.abs().max(), rel=1e-12)
+
+
+def test_steady_states_are_frequency_responses() -> None:
+    """(K + iωC − ω²M) X = F, of a force on the first storey and of a moving base."""
+    omega = 9.0
+    response = STIFFNESS + 1j * omega * DAMPING - omega**2 * MASS
+    pushed = np.linalg.solve(response, [500.0, 0.0])
+    shaken = np.linalg.solve(response, -MASS @ [1.0, 1.0] * 0.3)
+    for force, true in (
+        (iva.Harmonic(force=500.0, frequency=omega), pushed),
+        (iva.Harmonic(base_acceleration=0.3, frequency=omega), shaken),
+    ):
+        for k, seen in enumerate(("first", "top")):
+            run = iva.simulate(
+                None,
+                frame(force_at="first", seen_at=seen, base=[1.0, 1.0]),
+                start=iva.Start(),
+                force=force,
+                cycles=900,
+                discard=890,
+            )
+            amplitude = run.summary["amplitude_max"].item()
+            assert amplitude == pytest.approx(abs(true[k]), rel=1e-9)
+            assert run.summary["reduction"].item() is None
+
+
+def test_two_absorbers_at_two_points() -> None:
+    """Each row of the trajectory has the point seen; absorbers in flight feel no acceleration."""
+    structure = frame(absorber_at=["first", "top"], seen_at="first")
+    run = iva.simulate([SIVA, SIVA], structure, start=START, periods=4, verify=True)
+    assert (
+        run.verification.findings["rows"].to_list() == run.verification.findings["alike"].to_list()
+    )
+    assert set(run.impacts["absorber"]) == {0, 1}
+    motion = run.trajectory(40)
+    flying = motion.filter(pl.col("wall") == 0)
+    assert flying["absorber_acceleration"].abs().max() == 0.0
+    at_once = motion.group_by("time", maintain_order=True)
+    assert at_once.agg(pl.col("displacement").n_unique())["displacement"].max() == 1
+    total = run.summary.select(
+        pl.col("energy_impacts") + pl.col("energy_viscous") + pl.col("energy_final")
+    ).item()
+    assert total == pytest.approx(run.summary["energy_initial"].item(), rel=1e-14)
+
+
+def test_sweeps_are_runs_and_folders_read_back(tmp_path: Path) -> None:
+    over = {"clearance": [0.005, 0.01, 0.02], "absorber.mass": [30.0, 60.0]}
+    arguments: dict[str, Any] = {"start": START, "periods": 4, "over": over}
+    tables = ("summary", "impacts")
+    table = iva.sweep(SIVA, frame(), tables=tables, **arguments)
+    for point, (clearance, mass) in enumerate(
+        (c, m) for c in over["clearance"] for m in over["absorber.mass"]
+    ):
+        absorber = iva.Siva(mass=mass, restitution=0.6, clearance=clearance)
+        alone = iva.simulate(absorber, frame(), start=START, periods=4).impacts.drop("point")
+        swept = table.impacts.filter(pl.col("point") == point).drop("point")
+        assert_frame_equal(swept, alone, check_exact=True)
+    with ThreadPoolExecutor(2) as pool:
+        iva.sweep(SIVA, frame(), tables=tables, out=tmp_path / "one", executor=pool, **arguments)
+    assert_frame_equal(iva.read(tmp_path / "one").summary, table.summary, check_exact=True)
+    study = (tmp_path / "one" / "study.toml").read_text()
+    assert "[structure]" in study
+    assert "[primary]" not in study
+    again = iva.sweep(SIVA, frame(), tables=tables, out=tmp_path / "one", resume=True, **arguments)
+    assert_frame_equal(again.summary, table.summary, check_exact=True)
+    with pytest.raises(ValueError, match=r"structure\.damping was .* is "):
+        iva.sweep(
+            SIVA,
+            frame(damping=2 * DAMPING),
+            tables=tables,
+            out=tmp_path / "one",
+            resume=True,
+            **arguments,
+        )
+
+
+def test_modes_go_through_csv(tmp_path: Path) -> None:
+    file = tmp_path / "modes.csv"
+    modes = frame(damping=2e-3 * STIFFNESS).modes()
+    modes.write_csv(file)
+    read = iva.Structure.read(file, absorber_at="top")
+    assert_frame_equal(read.modes(), modes, abs_tol=1e-15)
+    one, other = (
+        iva.simulate(SIVA, it, start=START, periods=5).impacts["time"].to_numpy()
+        for it in (read, frame(damping=2e-3 * STIFFNESS))
+    )
+    assert np.abs(one - other).max() < 1e-11
+    (tmp_path / "none.csv").write_text("frequency\n1\n")
+    with pytest.raises(ValueError, match="no column shape_"):
+        iva.Structure.read(tmp_path / "none.csv")
+
+
+def test_what_is_shown_and_kept() -> None:
+    structure = frame(seen_at="first")
+    assert eval(repr(structure), {"Structure": iva.Structure}) == structure
+    assert pickle.loads(pickle.dumps(structure)) == structure
+    run = iva.simulate(SIVA, structure, start=START, periods=2)
+    assert pickle.loads(pickle.dumps(run)).impacts.equals(run.impacts)
+    assert "Structure(" in repr(run)
+    assert "Structure(" in run._repr_html_()
+    assert run.units.system == "si"
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"mass": [[1.0, 2.0], [0.0, 1.0]]}, r"mass\[1\]\[0\] = 0: give a symmetric matrix"),
+        ({"mass": [[1.0, 0.0], [0.0, -1.0]]}, "structure.mass = -1: .* positive definite"),
+        ({"mass": [[1.0]]}, "structure.mass = 1 rows: give 2 rows of 2 numbers"),
+        ({"stiffness": None}, "structure.stiffness is missing: give 2 rows"),
+        ({"stiffness": [[1.0, 0.0], [0.0, -1.0]]}, "springs feed no energy"),
+        ({"damping": [[1.0, 0.0], [0.0, -1.0]]}, "dampers feed no energy"),
+        ({"frequencies": [1.0]}, "give modes or matrices"),
+        ({"absorber_at": "roof"}, 'structure.absorber_at = "roof": give one of the points first'),
+        ({"points": ["one"]}, "give 1 rows of 1 numbers, as there are 1 points"),
+        ({"base": [1.0]}, "structure.base = 1 numbers: give 2"),
+        ({"start_velocities": [float("nan"), 0.0]}, "start_velocities = NaN: give finite numbers"),
+        ({"stiffness": [[1.0, -1.0], [-1.0, 1.0]]}, "frequencies = .*: .* hold the structure"),
+    ],
+)
+def test_bad_entries_are_refused(more: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        frame(**more)
+
+
+@pytest.mark.parametrize(
+    ("absorber", "more", "told"),
+    [
+        (iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.01), {}, r"give mass \(kg\)"),
+        (iva.Piva(mass=60.0, restitution=0.5, clearance=0.01, length=1.0), {}, "free masses"),
+        (SIVA, {"errors": True}, "verify tells the true ones"),
+        (SIVA, {"force": iva.Harmonic(amplitude=1.0, frequency=7.0)}, r"give force \(N\)"),
+        (SIVA, {"force": iva.Impulse(velocity=1.0)}, r"give impulse \(N s\)"),
+        (
+            SIVA,
+            {"force": iva.Harmonic(base_acceleration=1.0, frequency=7.0)},
+            "structure.base is missing: a moving base needs",
+        ),
+        (
+            iva.Siva(mass=60.0, restitution=0.5, clearance=0.01, reference_speed=1.0),
+            {},
+            "absorber.reference_speed = 1: on a structure with several modes",
+        ),
+        ([SIVA] * 9, {}, "absorber"),
+    ],
+)
+def test_what_a_structure_does_not_take(absorber: Any, more: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        iva.simulate(absorber, frame(), start=START, periods=1, **more)
+
+
+def test_what_is_of_one_mode_refuses_several() -> None:
+    run = iva.simulate(SIVA, frame(), start=START, periods=2)
+    with pytest.raises(ValueError, match="no room for the state of several modes"):
+        run.state_at(1.0)
+    with pytest.raises(ValueError, match="structure with several modes"):
+        iva.explore(run)
+    with pytest.raises(ValueError, match="structure with several modes"):
+        iva.plots.energy(run)
+    force = iva.Harmonic(force=100.0, frequency=7.0)
+    with pytest.raises(TypeError, match=r"give an iva\.Primary"):
+        iva.dynamics.orbit(SIVA, frame(), force=force, start=(0, 0, 0, 0))  # type: ignore[arg-type]
+    elsewhere = iva.simulate(SIVA, frame(seen_at="first"), start=START, periods=2)
+    with pytest.raises(ValueError, match="give seen_at the point of all absorbers"):
+        iva.plots.velocities(elsewhere)
+    assert iva.plots.velocities(run).get_xlabel() == "time t (s)"
+    assert iva.plots.decay(elsewhere).get_xlabel() == "time t (s)"
