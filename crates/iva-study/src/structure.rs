@@ -100,3 +100,99 @@ pub(crate) fn write(text: &mut String, structure: &Structure) {
         let _ = writeln!(text, "{name} = {shown}");
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::error::Error;
+    use crate::resolved::{resolve, write};
+    use crate::study_file::parse_study;
+
+    const FRAME: &str = r#"version = 1
+[structure]
+points = ["first", "a \"quoted\" top"]
+mass = [[2000, 0], [0, 1e3]]
+stiffness = [[300e3, -100e3], [-100e3, 100e3]]
+absorber_at = "first"
+base = [1, 1]
+[absorber]
+kind = "siva"
+mass = 60
+restitution = 0.5
+clearance = 0.01
+[start]
+displacement = 0.05
+[run]
+periods = 3
+"#;
+
+    const MODES: &str = r#"version = 1
+[structure]
+frequencies_hz = [1, 2.5]
+damping_ratios = [0.01]
+absorber_at = ["top", "top"]
+start_velocities = [0, 0.1]
+[structure.points]
+top = [0.03, -0.02]
+"1st floor" = [0.01, 0.02]
+[[absorber]]
+kind = "siva"
+mass = 60
+restitution = 0.5
+clearance = 0.01
+[[absorber]]
+kind = "siva"
+mass = 30
+restitution = 0.5
+clearance = 0.02
+[run]
+periods = 3
+"#;
+
+    #[test]
+    fn what_is_written_reads_back_the_same() {
+        for text in [FRAME, MODES] {
+            let file = resolve(&parse_study(Path::new("it.toml"), text).unwrap()).unwrap();
+            let again = parse_study(Path::new("again.toml"), &write(&file).unwrap()).unwrap();
+            assert_eq!(again.study, file.study);
+            assert!(again.study.design(0).is_ok());
+        }
+    }
+
+    #[test]
+    #[allow(clippy::panic)]
+    fn faults_are_told_at_their_lines() {
+        for (text, from, to, line, told) in [
+            (FRAME, "stiffness = [[300e3", "stifness = [[300e3", 5, "did you mean `stiffness`?"),
+            (FRAME, "[300e3, -100e3]", "[300e3, 1]", 5, "give a symmetric matrix"),
+            (FRAME, "[300e3, -100e3]", "[300e3, \"no\"]", 5, "give a list of numbers"),
+            (FRAME, "\"first\"\nbase", "\"roof\"\nbase", 6, "give one of the points first"),
+            (FRAME, "mass = 60", "mass_ratio = 0.1", 10, "give mass (kg)"),
+            (
+                FRAME,
+                "[absorber]",
+                "[primary]\nmass = 1\n[absorber]",
+                9,
+                "the structure has it already",
+            ),
+            (MODES, "[1, 2.5]", "[1, 2.5, 3]", 7, "give 3, one for each mode"),
+            (
+                MODES,
+                "[\"top\", \"top\"]",
+                "[\"top\", \"top\", \"top\"]",
+                5,
+                "one for each absorber",
+            ),
+            (MODES, "[0.03, -0.02]", "[0.03]", 7, "give 2, one for each mode"),
+        ] {
+            let text = text.replacen(from, to, 1);
+            let read = parse_study(Path::new("it.toml"), &text);
+            let read = read.and_then(|file| resolve(&file));
+            let Err(Error::Study(error)) = read else { panic!("{to} is taken") };
+            let shown = error.to_string();
+            assert!(shown.contains(told), "{told}: {shown}");
+            assert_eq!(error.place.as_ref().map(|place| place.line), Some(line), "{shown}");
+        }
+    }
+}

@@ -7,7 +7,7 @@ use iva_core::error::Invalid;
 
 use crate::columns::Selection;
 use crate::design::{Design, Spec};
-use crate::fields::FieldId;
+use crate::fields::{FieldId, Part};
 use crate::sampling::Sampling;
 use crate::units::UnitSystem;
 
@@ -199,7 +199,9 @@ impl Study {
     /// The default of a field; `None` if it is not the same number at all points, or depends on units that
     /// are not known, which a design of the study reports.
     pub fn default(&self, field: FieldId) -> Option<f64> {
+        let of_primary = field.info().part == Part::Primary;
         match field {
+            _ if of_primary && self.spec.structure().is_some() => None,
             FieldId::Gravity => self.spec(self.sampling.first()).ok()?.standard_gravity().ok()?,
             FieldId::GapDisplacement if self.rises() => None,
             _ => field.default(),
