@@ -75,7 +75,7 @@ class Structure:
     force_at : str, optional
         The point at which forces act; by default that of the first absorber.
     seen_at : str, optional
-        The point that runs see; by default that of the first absorber.
+        The point that runs see; by default that of the first absorber, also of a run without.
     start_displacements, start_velocities : sequence of float, shape (n,), optional
         Start of the coordinates of matrices in m and m/s, or of the modes in m kg^(1/2) and its
         rate; added to what ``start`` says.

@@ -199,6 +199,11 @@ impl Structure {
         }
     }
 
+    /// The point of the first absorber, or else the first of all.
+    pub(crate) fn first_absorber_at(&self) -> Option<&str> {
+        self.absorbers_at.first().map(String::as_str).or_else(|| self.points().next())
+    }
+
     /// The point at which the force acts.
     pub(crate) fn force_at(&self) -> Option<&str> {
         self.force_at.as_deref()

@@ -48,7 +48,8 @@ pub(super) fn scene<R: Real>(
             Ok(())
         })?;
     }
-    let first = masses.first().map(|(_, point)| *point).or_else(|| structure.points().next());
+    // The structure alone is seen where its absorbers would be.
+    let first = structure.first_absorber_at();
     let seen = structure.seen_at().or(first).unwrap_or_default();
     let pushed = structure.force_at().or(first).unwrap_or_default();
     let primary = [start.displacement, start.velocity];
