@@ -7,6 +7,8 @@ DOP853 with event location for impacts. The core has references to 150 digits of
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -315,3 +317,39 @@ def test_what_is_of_one_mode_refuses_several() -> None:
         iva.plots.velocities(elsewhere)
     assert iva.plots.velocities(run).get_xlabel() == "time t (s)"
     assert iva.plots.decay(elsewhere).get_xlabel() == "time t (s)"
+
+
+def test_commands_say_what_the_structure_is(tmp_path: Path) -> None:
+    study = tmp_path / "it.toml"
+    study.write_text(
+        """version = 1
+[structure]
+frequencies_hz = [1.0, 2.5]
+damping_ratios = [0.01, 0.02]
+points = { first = [0.01, 0.02], top = [0.02, -0.01] }
+absorber_at = "top"
+[absorber]
+kind = "siva"
+mass = 60
+restitution = 0.5
+clearance = 0.01
+[force]
+force = 100
+relative_frequency = 1
+[run]
+cycles = 2
+"""
+    )
+
+    def iva_(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "iva", *words]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    told = iva_("check", str(study))
+    assert told.returncode == 0
+    assert "Structure: 2 modes, 1 … 2.5 Hz, damping ratio 0.01 … 0.02; seen at top" in told.stdout
+    assert "Absorber: free mass, 60 kg at top, restitution 0.5" in told.stdout
+    assert "1 times the frequency of the first mode" in told.stdout
+    orbit = iva_("orbit", str(study))
+    assert orbit.returncode == 2
+    assert "structure = several modes: orbits are those of an absorber on one mode" in orbit.stderr

@@ -7,6 +7,7 @@ use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::scene::{Absorber, Acts, Harmonic};
+use iva_sweep::structure::Structure;
 use iva_sweep::study::Study;
 use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
 
@@ -25,7 +26,9 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let designs: Vec<Design> = looked_at.filter_map(|point| study.design(point).ok()).collect();
     let damping = range(&designs, |design| design.scene.damping_ratio());
     let mut out = String::new();
+    let several = study.spec.structure();
     let structure = match units {
+        _ if let Some(structure) = several => modes(structure),
         UnitSystem::Natural => format!("Structure: damping ratio {damping}"),
         _ => {
             let hertz =
@@ -38,7 +41,8 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let (kind, count) = (study.spec.choices().kind, study.spec.count());
     for number in 0..count {
         let kind = study.spec.choices_of(number).kind;
-        let told = absorber(&designs, (number, count), kind, law(study, number));
+        let at = several.and_then(|structure| structure.absorber_at(number, count).ok());
+        let told = absorber(&designs, (number, count), kind, (law(study, number), at));
         let _ = writeln!(out, "{}", wrap(&told));
     }
     if kind == Kind::Piva {
@@ -55,6 +59,22 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
         let _ = writeln!(out, "{}", wrap(NOTHING_MOVES));
     }
     out
+}
+
+/// The line on a structure with several modes.
+fn modes(structure: &Structure) -> String {
+    let Ok(modes) = structure.in_si() else { return "Structure: several modes".to_owned() };
+    let of = |read: &dyn Fn(usize) -> Option<f64>| {
+        let values = (0..modes.count()).filter_map(read);
+        let ends =
+            values.fold([f64::INFINITY, 0.0_f64], |[low, high], it| [low.min(it), high.max(it)]);
+        let [low, high] = ends.map(|it| short(it, 4));
+        if low == high { low } else { format!("{low} … {high}") }
+    };
+    let hertz = of(&|mode| modes.frequency(mode).map(|it| it / std::f64::consts::TAU));
+    let damping = of(&|mode| modes.damping_ratio(mode));
+    let count = counted(modes.count() as u64, "mode");
+    format!("Structure: {count}, {hertz} Hz, damping ratio {damping}; seen at {}", structure.seen())
 }
 
 /// The law of restitution of an absorber in words; `None` where it is a number.
@@ -74,7 +94,7 @@ fn absorber(
     designs: &[Design],
     (number, count): (usize, usize),
     kind: Kind,
-    law: Option<&str>,
+    (law, at): (Option<&str>, Option<&str>),
 ) -> String {
     let name = match kind {
         Kind::Siva => "free mass",
@@ -99,9 +119,11 @@ fn absorber(
         1 => [String::new(), String::new()],
         _ => [format!(" {number}"), format!(", clearance {}", of(|it| it.clearance))],
     };
-    format!(
-        "Absorber{which}: {name}, mass ratio {mass}, restitution {restitution}{minus}{clearance}"
-    )
+    let mass = match at {
+        Some(point) => format!("{mass} kg at {point}"),
+        None => format!("mass ratio {mass}"),
+    };
+    format!("Absorber{which}: {name}, {mass}, restitution {restitution}{minus}{clearance}")
 }
 
 /// The line on the start: initial displacement of the structure, and the clearance.
@@ -209,6 +231,13 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
         };
         let amplitude = of(|harmonic| harmonic.amplitude.abs());
         let frequency = of(|harmonic| harmonic.frequency);
+        if designs.iter().all(|design| design.scene.has_modes()) {
+            let on = if first.moves_base() { "the base" } else { "the structure" };
+            lines.push(format!(
+                "Force on {on}, of {frequency} times the frequency of the first mode"
+            ));
+            continue;
+        }
         lines.push(format!(
             "Force: {frequency} of the natural frequency; held still, its amplitude would move the \
              structure by {amplitude}"

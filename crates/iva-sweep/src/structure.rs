@@ -180,7 +180,7 @@ impl Structure {
     ///
     /// # Errors
     /// [`Invalid`] where no point is given, or not one for each.
-    pub(crate) fn absorber_at(&self, absorber: usize, count: usize) -> Result<&str, Invalid> {
+    pub fn absorber_at(&self, absorber: usize, count: usize) -> Result<&str, Invalid> {
         match self.absorbers_at.as_slice() {
             [one] => Ok(one),
             [] => match self.points.as_slice() {
@@ -199,19 +199,19 @@ impl Structure {
         }
     }
 
-    /// The point of the first absorber, or else the first of all.
-    pub(crate) fn first_absorber_at(&self) -> Option<&str> {
+    /// The point of the first absorber, also where there is none, or else the first of all.
+    fn first_absorber_at(&self) -> Option<&str> {
         self.absorbers_at.first().map(String::as_str).or_else(|| self.points().next())
     }
 
-    /// The point at which the force acts.
-    pub(crate) fn force_at(&self) -> Option<&str> {
-        self.force_at.as_deref()
+    /// The point that runs see.
+    pub fn seen(&self) -> &str {
+        self.seen_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
     }
 
-    /// The point that runs see.
-    pub(crate) fn seen_at(&self) -> Option<&str> {
-        self.seen_at.as_deref()
+    /// The point at which the force acts.
+    pub(crate) fn pushed(&self) -> &str {
+        self.force_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
     }
 
     /// The structure of the core, with 1/`omega` (in s) as the unit of time.

@@ -121,6 +121,10 @@ fn harmonic(force: &Force) -> Option<Harmonic> {
 
 /// Checks that there is an absorber, and one harmonic drive.
 fn check_kind(spec: &Spec) -> Result<(), Invalid> {
+    if spec.structure().is_some() {
+        let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
+        return Err(Invalid::new("structure", "several modes", rule));
+    }
     if spec.choices().kind == Kind::None {
         let rule = "an orbit is one of an absorber; give a free mass or a pendulum";
         return Err(Invalid::new("absorber.kind", Kind::None.name(), rule));

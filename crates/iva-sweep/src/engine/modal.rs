@@ -48,10 +48,7 @@ pub(super) fn scene<R: Real>(
             Ok(())
         })?;
     }
-    // The structure alone is seen where its absorbers would be.
-    let first = structure.first_absorber_at();
-    let seen = structure.seen_at().or(first).unwrap_or_default();
-    let pushed = structure.force_at().or(first).unwrap_or_default();
+    let (seen, pushed) = (structure.seen(), structure.pushed());
     let primary = [start.displacement, start.velocity];
     let [displacements, velocities] = structure.begin(&modes, (seen, primary), omega)?;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
