@@ -1,6 +1,6 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
-//! mass with a spring and a dashpot in its gap; [`several`], a list of free masses, each in a gap of its own; [`modal`], such
-//! a list on a structure with several modes.
+//! mass with a spring and a dashpot in its gap; [`sliding`], a free mass with friction in its gap; [`several`], a list of
+//! free masses, each in a gap of its own; [`modal`], such a list on a structure with several modes.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.
@@ -24,12 +24,16 @@ pub mod restitution;
 pub mod ride;
 pub mod several;
 pub mod siva;
+pub mod sliding;
 
+use crate::absorber::chatter::Back;
 use crate::absorber::impact::Impact;
 use crate::absorber::plain::Scene;
 use crate::error::Invalid;
 use crate::number::real::Real;
+use crate::segment::contact::{Stretch, free_stretch};
 use crate::segment::flight::{Curve, Jet, Motion};
+use crate::segment::slide::{Ends, Slide};
 
 pub use crate::number::clock::Clock;
 pub use crate::segment::place::{Point, Wall};
@@ -182,6 +186,58 @@ pub trait Absorber: ImpactLaw {
     /// True if the absorber can reach its walls at all.
     fn walls_reachable(&self) -> bool {
         true
+    }
+    /// True if the absorber rubs on its structure: a flight also ends where it stops in the gap, and friction may hold it
+    /// there. Then the methods below have a meaning; by default nothing rubs.
+    #[inline(always)]
+    fn slides(&self) -> bool {
+        false
+    }
+    /// True if friction holds the absorber in its gap.
+    fn is_held(&self, _state: &Self::State) -> bool {
+        false
+    }
+    /// The first event of a flight of this length in which the absorber slides one way: a stop or a contact; `None` if its bounds
+    /// are not finite.
+    fn slide<'a>(
+        &'a self,
+        flight: &Self::Flight<'a>,
+        length: Self::Real,
+    ) -> Option<Slide<Self::State, Self::Real>> {
+        let Stretch { end, undecided, .. } = free_stretch(flight, length);
+        Some(Slide { end, ends: Ends::Length, undecided })
+    }
+    /// The state at a stop, with a gap velocity of exactly 0 and the decision how the absorber goes on, and how much later
+    /// it is.
+    fn stopped(&self, state: &Self::State) -> (Self::State, Self::Real) {
+        (*state, Self::Real::ZERO)
+    }
+    /// The first instant within a length at which friction no longer holds the absorber, as the contact of the stretch, and
+    /// the sign of the gap velocity from there on.
+    fn first_slip<'a>(
+        &'a self,
+        ride: &Self::Ride<'a>,
+        length: Self::Real,
+    ) -> (Stretch<Self::State, Self::Real>, Self::Real) {
+        (free_stretch(ride, length), Self::Real::ZERO)
+    }
+    /// The state in which the absorber slips off with this sign of its gap velocity at the end of a ride, and the time from the
+    /// given state to it; `None` if that is no such instant.
+    fn slipped<'a>(
+        &'a self,
+        _ride: &Self::Ride<'a>,
+        _state: &Self::State,
+        _direction: Self::Real,
+    ) -> Option<(Self::State, Self::Real)> {
+        None
+    }
+    /// The energy that friction takes in a slide between two states, per primary mass.
+    fn rubbed(&self, _ends: [&Self::State; 2]) -> Self::Real {
+        Self::Real::ZERO
+    }
+    /// How the absorber returns from a rebound that begins in a state; `None` if it returns in the same motion.
+    fn back(&self, _state: &Self::State) -> Option<Back<Self::Real>> {
+        None
     }
     /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
     /// are computed from a log.

@@ -110,11 +110,13 @@ pub struct MeasureValues<R = f64> {
     pub energy_viscous: R,
     /// Energy lost by the damping of a pendulum's pivot, an integral; 0 for a free mass.
     pub energy_pivot: R,
+    /// Energy lost in friction in the gap, μ R times the way slid and that of summed chatters; 0 without friction.
+    pub energy_friction: R,
     /// E at the end.
     pub energy_final: R,
     /// Work done by force, base motion and impulses; 0 in free decay.
     pub energy_work: R,
-    /// Initial + work − impacts − viscous − pivot − final.
+    /// Initial + work − impacts − viscous − pivot − friction − final.
     pub energy_residual: R,
 }
 
@@ -381,11 +383,13 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Measures<S> {
         values.energy_viscous = self.ledger.viscous.value;
         values.energy_pivot = self.ledger.pivot.value;
         values.energy_work = self.ledger.work.value;
+        values.energy_friction = tally.friction.energy.value;
         values.energy_final = system.energy(&tally.state);
         values.energy_residual = DoubleDouble::new(values.energy_initial)
             .plus(-tally.energy_impacts)
             .plus(-values.energy_viscous)
             .plus(-values.energy_pivot)
+            .plus(-values.energy_friction)
             .plus(values.energy_work)
             .plus(-values.energy_final)
             .value;

@@ -8,4 +8,5 @@ pub mod polynomial;
 pub(crate) mod quadrature;
 pub(crate) mod quintic;
 pub mod roots;
+pub mod slide;
 pub mod taylor;

@@ -21,12 +21,17 @@
 //!
 //! Where e rises to 1 at low speeds, the ratios have no such limit. For a power law the sum is another one, whose bound is
 //! proved ([`power`]); for any other such law nothing is summed.
+//!
+//! With friction a rebound returns with another pressure than that with which it leaves, and its sum is that of
+//! `absorber/chatter/sliding.rs`.
 
 use crate::number::real::Real;
 
 pub use power::Power;
+pub use sliding::Back;
 
 pub mod power;
+mod sliding;
 
 /// Safety factor of the estimated third-order terms, whose coefficients are of order 1.
 const SAFETY: f64 = 4.0;
@@ -82,11 +87,16 @@ pub struct Rebound<R = f64> {
     pub spread: R,
     /// How e goes on if it is a power law, which rises to 1 at low speeds.
     pub power: Option<Power<R>>,
+    /// How the absorber returns from the highest point of a rebound, with friction; `None` if it returns as it left.
+    pub back: Option<Back<R>>,
 }
 
 impl<R: Real> Rebound<R> {
     /// Duration of the infinite tail in 1/ωn: to second order in the speed, of a power law to first order.
     pub fn tail(&self) -> R {
+        if let Some(back) = &self.back {
+            return back.tail(self);
+        }
         if let Some(power) = &self.power {
             return power.tail(self);
         }
@@ -97,6 +107,9 @@ impl<R: Real> Rebound<R> {
 
     /// Estimate of the error of [`Rebound::tail`]; of a power law a bound.
     pub fn tail_error(&self) -> R {
+        if let Some(back) = &self.back {
+            return back.error(self);
+        }
         if let Some(power) = &self.power {
             return power.error(self);
         }
@@ -131,9 +144,10 @@ impl<R: Real> Rebound<R> {
 
     /// True if the tail can be summed with an error below rounding.
     pub fn summable(&self) -> bool {
-        let falls = match &self.power {
-            Some(power) => power.may_end(self),
-            None => self.ratio + self.spread < 1.0,
+        let falls = match (&self.back, &self.power) {
+            (Some(back), _) => back.may_end(self),
+            (None, Some(power)) => power.may_end(self),
+            (None, None) => self.ratio + self.spread < 1.0,
         };
         falls && self.pressure > 0.0 && self.tail_error() <= R::NEGLIGIBLE
     }

@@ -211,7 +211,7 @@ impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
         let [factor, constant] = self.system.pressure(self.system.wall(&self.from));
         let gravity = self.system.excitation().gravity();
         let held = factor * gravity + constant;
-        let shaking = || self.structure().bound::<0>(&self.begin.primary) - gravity;
+        let shaking = || self.structure().bound::<0>(&self.begin.primary) - gravity.abs();
         held > 0.0 && held * HELD > factor.abs() * shaking()
     }
 }

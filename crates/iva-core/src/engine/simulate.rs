@@ -1,5 +1,8 @@
 //! The event loop: flight → contact → impact → chatter or stick → release.
 //!
+//! With friction a flight also ends where the absorber stops in its gap, from where it slides back or is held for a while
+//! (`engine/simulate/slide.rs`).
+//!
 //! It knows the absorber only as an [`Absorber`] and its observers only as an [`Observer`].
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,11 +19,12 @@ use crate::segment::flight::Side;
 use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
 
 pub use crate::engine::limits::{Limits, Outcome};
-pub use crate::engine::tally::{Instant, OfAbsorber, Tally};
+pub use crate::engine::tally::{Instant, OfAbsorber, Rubbed, Tally};
 use together::{Own, Waiting};
 use wall::presses;
 
 mod coast;
+mod slide;
 mod together;
 pub(crate) mod wall;
 
@@ -165,6 +169,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 approach_speeds: [R::ZERO; 2],
                 time_stuck: R::ZERO,
                 energy_impacts: R::ZERO,
+                friction: Rubbed::default(),
                 end_time: R::ZERO,
                 work: 0,
                 state,
@@ -251,6 +256,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     fn fly(&mut self, remaining: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
+        if system.slides() {
+            return if system.is_held(&state) { self.hold(remaining) } else { self.slide(remaining) };
+        }
         let flight = system.flight(&state);
         let length = flight.reach().min(self.progress.ahead());
         let fast = if std::mem::take(&mut self.short) { None } else { flight.fast_path(length) };

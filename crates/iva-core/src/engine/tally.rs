@@ -24,6 +24,8 @@ pub struct Tally<State, R = f64> {
     pub time_stuck: R,
     /// Energy lost in all impacts, listed or summed.
     pub energy_impacts: R,
+    /// What friction in the gap has done.
+    pub friction: Rubbed<R>,
     /// Instant at which the run ended, in 1/ωn.
     pub end_time: R,
     /// Number of segments of flight and stick episode computed, and of impulses; steps of a coast do not count.
@@ -32,6 +34,19 @@ pub struct Tally<State, R = f64> {
     pub state: State,
     /// The instant of the last state, in double-double.
     pub clock: Clock<R>,
+}
+
+/// What friction has done in a run to an absorber that rubs in its gap; nothing for any other.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rubbed<R = f64> {
+    /// Energy lost in friction, per primary mass in ωn² × length².
+    pub energy: Clock<R>,
+    /// Number of stops in the gap.
+    pub stops: u64,
+    /// Number of stops after which the absorber was held; the others turned it round.
+    pub holds: u64,
+    /// Total time held in the gap, in 1/ωn.
+    pub time_held: Clock<R>,
 }
 
 /// What a run has come to for one of several absorbers, in natural units.
@@ -73,6 +88,7 @@ impl<State: Copy, R: Real> Tally<State, R> {
     pub fn without_state(&self) -> Tally<(), R> {
         let Self { outcome, impacts, effective_impacts, episodes, undecided, .. } = *self;
         let Self { approach_speeds, time_stuck, energy_impacts, end_time, work, clock, .. } = *self;
+        let friction = self.friction;
         Tally {
             outcome,
             impacts,
@@ -82,6 +98,7 @@ impl<State: Copy, R: Real> Tally<State, R> {
             approach_speeds,
             time_stuck,
             energy_impacts,
+            friction,
             end_time,
             work,
             state: (),

@@ -96,7 +96,7 @@ pub fn first_release<R: Real, C: Curve<Real = R>>(
     stretch
 }
 
-fn searched<R: Real, C: Curve<Real = R>>(
+pub(super) fn searched<R: Real, C: Curve<Real = R>>(
     curve: &C,
     (level, sign): (R, R),
     fourth: R,
@@ -107,6 +107,6 @@ fn searched<R: Real, C: Curve<Real = R>>(
 }
 
 /// A bound on the size of a function within `length`.
-fn highest<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
+pub(super) fn highest<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
     jet.value.abs() + highest_change(jet, fourth, length)
 }

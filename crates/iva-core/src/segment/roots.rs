@@ -93,7 +93,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// f at a node, evaluated in double-double where its sign is in doubt.
-    fn value(&self, node: &Node<C::Sample, R>) -> R {
+    pub(super) fn value(&self, node: &Node<C::Sample, R>) -> R {
         if node.jet.value.abs() > self.doubt {
             node.jet.value
         } else {
@@ -228,7 +228,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The only zero on (a, b], where f(b) ≤ 0, to the last bits of h.
-    fn refine(
+    pub(super) fn refine(
         &self,
         a: &Node<C::Sample, R>,
         b: &Node<C::Sample, R>,

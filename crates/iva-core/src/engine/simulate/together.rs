@@ -264,10 +264,15 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// True if the whole tail of a chatter beside other absorbers is shorter than rounding of the clock. Such chatters are
-    /// computed one by one where another absorber is in the way of their sum.
+    /// True if the whole tail of a chatter beside other absorbers, or with friction, is shorter than rounding of the clock. Such
+    /// chatters are computed one by one where another absorber is in the way of their sum, or a restitution whose change is not
+    /// bounded.
     pub(super) fn has_ended(&self, rebound: &Rebound<R>) -> bool {
         let beside = self.system.absorbers() > 1 && rebound.is_short();
-        beside && is_nothing(rebound.tail(), self.progress.clock.value)
+        let short = |tail: R| is_nothing(tail, self.progress.clock.value);
+        match &rebound.back {
+            Some(back) => short(back.longest(rebound)),
+            None => beside && short(rebound.tail()),
+        }
     }
 }

@@ -24,8 +24,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     pub(super) fn strike(&mut self, before: &S::State) -> Impact<R> {
         let (after, impact) = self.system.impact(before, self.progress.clock.value);
         let approach = impact.approach_speed();
-        // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.law(before, approach).dies_out() || approach == 0.0;
+        // With e = 1 and without friction no chatter dies out, so low impacts are listed immediately.
+        let falls = self.law(before, approach).dies_out() || self.system.slides();
+        let dies_out = falls || approach == 0.0;
         let low = dies_out && approach <= self.progress.floor;
         let counted = Counted { low, ..Counted::from(&impact) };
         self.progress = self.progress.struck(true, &counted);
@@ -76,6 +77,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             ratio: law.rebound,
             spread: law.spread,
             power: law.falling(),
+            back: self.system.back(state),
         };
         // Tests first without D⁗, which is expensive: most rebounds are far too high.
         let low = rebound.summable();
@@ -88,9 +90,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let ends = summable && stick_clock.minus(self.progress.stop) < 0.0;
         if ends && self.system.others_wait(state, rebound.tail()) {
             self.list_tail(*state, stick_clock.value);
-            self.stick(stick_clock);
+            self.stick_after(stick_clock, &rebound);
         } else if self.has_ended(&rebound) {
-            self.stick(self.progress.clock);
+            self.stick_after(self.progress.clock, &rebound);
         } else {
             // The return is expected after 2u/A; the search goes a little further.
             self.progress.first = self.progress.first.min(rebound.first_search());
@@ -109,6 +111,17 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 && self.is_cancelled()
             {
                 return;
+            }
+            if self.system.slides() {
+                let Some((touching, later)) = self.slid_back(&state) else { return };
+                clock = clock + later;
+                let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
+                if impact.approach_speed() <= self.progress.floor {
+                    return;
+                }
+                self.list_summed(&impact, [&touching, &after]);
+                state = after;
+                continue;
             }
             let leave = self.system.distance(&state);
             let flight = self.system.flight(&state);
@@ -129,18 +142,38 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if impact.approach_speed() <= self.progress.floor {
                 return;
             }
-            let counts = &mut self.progress.counts;
-            counts.impacts += 1.0;
-            counts.effective += if impact.effective() { 1.0 } else { 0.0 };
-            self.list(&impact, [&touching, &after], true);
+            self.list_summed(&impact, [&touching, &after]);
             state = after;
         }
     }
 
+    /// Counts and lists a rebound of a summed tail.
+    fn list_summed(&mut self, impact: &Impact<R>, states: [&S::State; 2]) {
+        let counts = &mut self.progress.counts;
+        counts.impacts += 1.0;
+        counts.effective += if impact.effective() { 1.0 } else { 0.0 };
+        self.list(impact, states, true);
+    }
+
+    /// Begins a stick episode at the end of a tail, of whose energy friction takes a part.
+    fn stick_after(&mut self, stick_clock: Clock<R>, rebound: &Rebound<R>) {
+        let share = rebound.back.map_or(R::ZERO, |back| back.rubbed(rebound));
+        self.stick_with(stick_clock, share);
+    }
+
     /// Begins a stick episode on the wall that the absorber touches.
-    fn stick(&mut self, stick_clock: Clock<R>) {
+    pub(super) fn stick(&mut self, stick_clock: Clock<R>) {
+        self.stick_with(stick_clock, R::ZERO);
+    }
+
+    fn stick_with(&mut self, stick_clock: Clock<R>, rubbed: R) {
         let wall = self.system.wall(&self.tally.state);
-        let (state, loss) = self.system.stick(&self.tally.state);
+        let (state, mut loss) = self.system.stick(&self.tally.state);
+        if rubbed > 0.0 {
+            let friction = &mut self.tally.friction;
+            friction.energy = friction.energy.plus(loss * rubbed);
+            loss -= loss * rubbed;
+        }
         let counts = &mut self.progress.counts;
         counts.losses = counts.losses.plus(loss);
         self.observer.stick(self.system, &Instant { time: stick_clock, state });

@@ -7,8 +7,8 @@
 //! |A⁽ⁿ⁾| ≤ Λⁿ⁺¹ (ρ + L q₀) + Σ_{i ≤ n} Λⁿ⁻ⁱ q_i + g_n
 //! ```
 //!
-//! where q_i and g_n bound the derivatives of q and a_g. Gravity G along the motion adds to A, and the lift
-//! μG of the spring to f/M.
+//! where q_i and g_n bound the derivatives of q and a_g. Gravity G along the motion adds |G| to A, and the lift
+//! μG of the spring |μG| to f/M.
 
 use std::array::from_fn;
 
@@ -32,7 +32,7 @@ pub(super) fn bounds<R: Real>(
     }
     let excess = from_fn(|n| {
         let sum = (0..=n).fold(R::ZERO, |sum, i| sum + powers[n - i] * drive[i]);
-        let gravity = source.weight().filter(|_| n == 0).map_or(R::ZERO, |it| it.gravity);
+        let gravity = source.weight().filter(|_| n == 0).map_or(R::ZERO, |it| it.gravity.abs());
         powers[n + 1] * (reach * drive[0]) + sum + (largest[n][1] + gravity)
     });
     (from_fn(|order| largest[order][1]), excess)
@@ -44,6 +44,6 @@ fn largest<R: Real>(source: &Forces<R>, order: i32) -> [R; 2] {
     let [f, g] = source.force.largest(order);
     match source.weight().filter(|_| order == 0) {
         None => [f, g],
-        Some(Weight { lift, .. }) => [f + lift.value, g],
+        Some(Weight { lift, .. }) => [f + lift.value.abs(), g],
     }
 }

@@ -47,6 +47,11 @@ impl<R: Real> DrivenHost<R> {
         self.steps.get_or_init(made)
     }
 
+    /// The state of the drive at the same instant of the same force, with the gravity of this host.
+    pub(crate) fn taken_over(&self, phase: &Moment<R>) -> Moment<R> {
+        self.forces.moment(phase.time, phase.kicks, &phase.smooth)
+    }
+
     /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
     fn made(&self) -> Option<Arc<Pieces<R>>> {
         let level = R::FAST_PATHS && self.forces.weight().is_none();

@@ -1,0 +1,123 @@
+//! Absorbers that rub in their gap: slides, stops, and being held.
+//!
+//! A slide is a flight that ends with a contact or with a stop. From a stop the absorber goes on one way or the other, or
+//! friction holds it until it slips off.
+
+use super::{Run, is_finite};
+use crate::absorber::{Absorber, Clock};
+use crate::engine::observe::Observer;
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, Motion, Side};
+use crate::segment::slide::{Ends, Slide};
+
+/// Length of the first search for the return from a stop in units of the time that it takes under constant acceleration.
+const LOOK: f64 = 1.25;
+
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
+    /// One segment of a slide, ended by its length, a contact, a stop or the end of the run.
+    pub(super) fn slide(&mut self, remaining: R) -> bool {
+        let (system, state) = (self.system, self.tally.state);
+        let flight = system.flight(&state);
+        if !is_finite(&flight.jet(&state), flight.fourth()) {
+            return false;
+        }
+        let length = flight.reach().min(self.progress.ahead());
+        let Some(Slide { end, ends, undecided }) = system.slide(&flight, length) else {
+            return false;
+        };
+        self.tally.undecided += undecided;
+        self.advance(&flight, end.h, length == remaining);
+        let rubbed = system.rubbed([&state, &self.tally.state]);
+        self.tally.friction.energy = self.tally.friction.energy.plus(rubbed);
+        match ends {
+            Ends::Length => {}
+            Ends::Wall(side) => self.meet(side),
+            Ends::Stop => self.stop(),
+        }
+        true
+    }
+
+    /// Decides how an absorber goes on that has stopped in its gap.
+    fn stop(&mut self) {
+        let (state, later) = self.system.stopped(&self.tally.state);
+        self.tally.state = state;
+        self.progress = self.progress.later(Clock::new(later));
+        self.tally.friction.stops += 1;
+        if self.system.is_held(&state) {
+            self.tally.friction.holds += 1;
+        } else if self.system.distance(&state).value == 0.0 {
+            // It has stopped at a wall, within rounding.
+            self.leave_or_stick();
+        } else {
+            self.progress.first = self.progress.first.min(self.first_return(&state));
+        }
+    }
+
+    /// Length of the first search for the wall last touched, from a stop on.
+    fn first_return(&self, state: &S::State) -> R {
+        let leave = self.system.distance(state);
+        if leave.curvature < 0.0 {
+            (leave.value * -2.0 / leave.curvature).sqrt() * LOOK
+        } else {
+            R::INFINITY
+        }
+    }
+
+    /// One segment of being held, ended by its length, the slip or the end of the run.
+    pub(super) fn hold(&mut self, remaining: R) -> bool {
+        let (system, state) = (self.system, self.tally.state);
+        let ride = system.ride(&state);
+        if !is_finite(&ride.jet(&state), ride.fourth()) {
+            return false;
+        }
+        let length = ride.reach().min(remaining);
+        let (held, slips) = if ride.stays_positive() {
+            (length, None)
+        } else {
+            let (stretch, direction) = system.first_slip(&ride, length);
+            self.tally.undecided += stretch.undecided;
+            (stretch.end.h, stretch.contact.map(|_| direction))
+        };
+        self.advance(&ride, held, length == remaining);
+        self.tally.friction.time_held = self.tally.friction.time_held.plus(held);
+        // Where the force jumps or has an impulse at the slip, that decides how the absorber goes on.
+        let Some(direction) = slips.filter(|_| self.due().is_none()) else { return true };
+        let Some((state, later)) = system.slipped(&ride, &self.tally.state, direction) else {
+            return false;
+        };
+        if !(later >= -held && later <= ride.reach()) {
+            return false;
+        }
+        self.tally.state = state;
+        self.progress = self.progress.later(Clock::new(later));
+        self.tally.friction.time_held = self.tally.friction.time_held.plus(later);
+        true
+    }
+
+    /// The contact in which a low rebound ends that begins in a state, and the time until then; `None` if the absorber does not
+    /// return to its wall at once.
+    pub(super) fn slid_back(&self, state: &S::State) -> Option<(S::State, Clock<R>)> {
+        let system = self.system;
+        let (mut state, mut clock) = (*state, Clock::<R>::ZERO);
+        let leave = system.distance(&state);
+        let mut look = -leave.rate * 2.0 / leave.curvature;
+        // On its way out, and back.
+        for _ in 0..2 {
+            let flight = system.flight(&state);
+            let Slide { end, ends, .. } = system.slide(&flight, flight.reach().min(look))?;
+            clock = clock.plus(end.h);
+            let there = flight.arrival(end.h);
+            let (after, later) = match ends {
+                Ends::Stop => system.stopped(&there),
+                Ends::Wall(Side::Near) => system.touch(&there, system.wall(&there)),
+                Ends::Length | Ends::Wall(Side::Far) => return None,
+            };
+            (state, clock) = (after, clock.plus(later));
+            if ends != Ends::Stop {
+                return Some((state, clock));
+            }
+            look = self.first_return(&state);
+        }
+        None
+    }
+}
