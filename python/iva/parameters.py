@@ -322,15 +322,18 @@ class Siva(Part):
     clearance_spread : float, optional
         How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
         1: from 1 − this to 1 + this times the clearance. Units in gaps all alike move as one.
+    friction : float, optional
+        Coefficient k ≥ 0 of Coulomb friction between the mass and its way, 0 by default: its slides
+        are decelerated by k g cos α, and it is held where that is enough.
     inclination : float, optional
         Angle in rad by which the line of motion rises, from 0 (level, the default) to π/2
         (upright).
     inclination_deg : float, optional
         The same in degrees, from 0 to 90.
     gravity : float, optional
-        Acceleration of gravity g > 0, of a motion that rises; 9.80665 m/s² by default in SI units,
-        needed in others. Of a level motion nothing depends on it: it is refused without an
-        inclination.
+        Acceleration of gravity g > 0, of a motion that rises or of a mass that rubs; 9.80665 m/s²
+        by default in SI units, needed in others. Nothing else depends on it: it is refused without
+        inclination and friction.
 
     Raises
     ------
@@ -366,6 +369,7 @@ class Siva(Part):
     contact_stiffness: float | None = None
     units: float | None = None
     clearance_spread: float | None = None
+    friction: float | None = None
     inclination: float | None = None
     inclination_deg: float | None = None
     gravity: float | None = None

@@ -22,7 +22,7 @@ SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stu
     energy_work amplitude_max amplitude_rms reduction transmissibility impacts_per_cycle
     regime condition digits tier approach_speed_max impulse_max peak_force_estimate
     reduction_rms acceleration_max gap_displacement_max stroke absorber_displacement_max
-    time_near_wall""".split()
+    time_near_wall energy_friction stops time_held""".split()
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
     effective angle angular_velocity_before angular_velocity_after time_error

@@ -273,8 +273,9 @@ fields! {
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
+    Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity" Siva;
     InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "angle by which the line of motion rises, in degrees: 90 upright" Siva;
-    Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination" Siva Piva;
+    Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination or friction" Siva Piva;
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
     ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;
     PivotDampingRatio: Absorber "pivot_damping_ratio" Ratio DampingRatio "pivot" "damping ratio of the hanging pendulum" Piva;

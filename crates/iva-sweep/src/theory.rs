@@ -29,11 +29,11 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     }
     let given = Given::new(spec);
     let (scale, units) = given.scale()?;
-    if free_mass::inclined(&given, &scale)?.is_some() {
-        let fields = [FieldId::Inclination, FieldId::InclinationDeg];
+    if free_mass::weight(&given, &scale)?.is_some() {
+        let fields = [FieldId::Friction, FieldId::Inclination, FieldId::InclinationDeg];
         let given = fields.into_iter().find_map(|field| Some((field, spec.get(field)?)));
         let (field, angle) = given.unwrap_or((FieldId::Inclination, 0.0));
-        let rule = "the theory is of a level motion; leave it out";
+        let rule = "the theory is of a level motion without friction; leave it out";
         return Err(Invalid::new(field.path(), number(angle), rule));
     }
     let common = given.common(&scale, units)?;

@@ -41,10 +41,12 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     Raises
     ------
     ValueError
-        If it has more than one force, one that is not harmonic, or a structure with several modes.
+        If it has more than one force, one that is not harmonic, a structure with several modes, or friction.
     """
     if "structure" in spec:
         raise ValueError("primary: the explorer takes no structure with several modes")
+    if friction := spec.get("absorber.friction"):
+        raise ValueError(f"absorber.friction = {friction:g}: the explorer takes none; leave it out")
     words = {f"absorber.{word}" for word in WORDS}
     choices = {path.partition(".")[2]: str(spec[path]) for path in spec if path in words}
     numbers = {

@@ -211,7 +211,11 @@ impl<R: Real> Absorber for Sliding<R> {
         SlidingRide::new(self, state)
     }
 
-    fn coasts(&self, state: &SlidingState<R>, remaining: R) -> (usize, Coasted<SlidingState<R>, R>) {
+    fn coasts(
+        &self,
+        state: &SlidingState<R>,
+        remaining: R,
+    ) -> (usize, Coasted<SlidingState<R>, R>) {
         if self.friction != 0.0 {
             return (0, (*state, Clock::ZERO));
         }

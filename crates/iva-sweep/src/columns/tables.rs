@@ -97,6 +97,12 @@ macro_rules! summary {
                 "largest displacement of an absorber's centre of mass, measured as x is, under force after the discarded cycles (asked for by name)";
             "time_near_wall" Time [Named Smaller] => NearWall,
                 "time within 1 % of the clearance of a wall, null with several absorbers; under force after the discarded cycles (asked for by name)";
+            "energy_friction" Energy [Run] |run| run.ended.tally.friction.energy.value,
+                "energy lost in friction in the gap, 0 without friction";
+            "stops" Count [Run] |run| run.ended.tally.friction.stops,
+                "times at which friction has stopped the absorber in its gap, 0 without friction";
+            "time_held" Time [Run] |run| run.ended.tally.friction.time_held.value,
+                "total time at which friction has held the absorber in its gap, 0 without friction";
         }
     };
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use iva_core::error::Invalid;
+use iva_core::error::{Invalid, number};
 use iva_core::force::{Force, Harmonic};
 use iva_core::host::DrivenHost;
 use iva_core::orbit::{Cycle, Trajectory};
@@ -121,6 +121,10 @@ fn harmonic(force: &Force) -> Option<Harmonic> {
 
 /// Checks that there is an absorber, and one harmonic drive.
 fn check_kind(spec: &Spec) -> Result<(), Invalid> {
+    if let Some(value) = spec.get(FieldId::Friction).filter(|value| *value != 0.0) {
+        let rule = "orbits are those of an absorber without friction; leave it out";
+        return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
+    }
     if spec.structure().is_some() {
         let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
         return Err(Invalid::new("structure", "several modes", rule));

@@ -6,19 +6,20 @@
 use std::sync::atomic::AtomicBool;
 
 use super::forces;
-use super::free_mass::{self, Inclined};
+use super::free_mass::{self, Weight};
 use super::given::Given;
 use super::modal;
 use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
-use super::scene::{LISTS, Mounted, Scene};
+use super::scene::{EVERY_SCENE, Mounted, Scene};
 use super::several;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 use iva_core::absorber::several::Alone;
+use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::force::Force;
 use iva_core::piva::Piva;
@@ -171,7 +172,7 @@ impl<R: Real> Given<'_, R> {
         }
         let units_of_first = self.spec.units_of(0);
         if self.spec.count() > 1 || units_of_first > 1 {
-            if !LISTS {
+            if !EVERY_SCENE {
                 let units = format!("{} in a list, {units_of_first} units", self.spec.count());
                 return Err(Invalid::new("absorber", units, "give one absorber of one unit here"));
             }
@@ -190,15 +191,25 @@ impl<R: Real> Given<'_, R> {
                 if let Some(laws) = restitution::laws(self, scale.natural_frequency)? {
                     system = system.with_restitution_laws(laws);
                 }
-                let inclined = free_mass::inclined(self, scale)?;
-                let start = match inclined {
-                    Some(_) => free_mass::start(self, start, system.offset() - clearance),
-                    None => start,
+                let weight = free_mass::weight(self, scale)?;
+                let start = match weight {
+                    Some(Weight { along, .. }) if along != 0.0 => {
+                        free_mass::start(self, start, system.offset() - clearance)
+                    }
+                    _ => start,
                 };
                 system.check_start(&start).map_err(|error| free_mass::misplaced(self, error))?;
-                let gravity = inclined.map(|inclined| inclined.gravity);
-                match inclined {
-                    Some(Inclined { along, .. }) => {
+                let gravity = weight.map(|weight| weight.gravity);
+                match weight {
+                    Some(Weight { along, friction: Some(friction), .. }) => {
+                        if !EVERY_SCENE {
+                            let rule = "give no friction here";
+                            return Err(Invalid::new(FieldId::Friction.path(), "a number", rule));
+                        }
+                        let system = Sliding::new(&system, along, friction, force)?;
+                        Ok(Scene::Sliding(Box::new(Mounted { system, start, gravity })))
+                    }
+                    Some(Weight { along, .. }) => {
                         let system = system.inclined(along, force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
                     }

@@ -1,4 +1,4 @@
-//! A free mass whose line of motion may be inclined: gravity along it, and the start of the absorber.
+//! A free mass with weight: gravity along its line of motion, friction by gravity across it, and the start of the absorber.
 
 use iva_core::absorber::Start;
 use iva_core::compensated::DoubleDouble;
@@ -9,23 +9,25 @@ use super::scale::Scale;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 
-/// Gravity on a free mass whose line of motion is inclined.
+/// What weight does to a free mass whose line of motion is inclined, or that rubs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Inclined<R = f64> {
+pub(crate) struct Weight<R = f64> {
     /// Acceleration of gravity g, in the user's unit.
     pub gravity: R,
-    /// G = g sin α along the motion, in natural units.
+    /// G = g sin α along the motion, in natural units; 0 where it is level.
     pub along: R,
+    /// The deceleration k g cos α by friction, in natural units; `None` without.
+    pub friction: Option<R>,
 }
 
-/// Gravity along the motion; `None` where the motion is level.
+/// The weight of the mass; `None` where it does nothing: the motion is level and has no friction.
 ///
 /// # Errors
-/// [`Invalid`] for gravity without an inclination, or an inclination without gravity.
-pub(crate) fn inclined<R: Real>(
+/// [`Invalid`] for gravity without inclination and friction, or one of these without gravity.
+pub(crate) fn weight<R: Real>(
     given: &Given<'_, R>,
     scale: &Scale<R>,
-) -> Result<Option<Inclined<R>>, Invalid> {
+) -> Result<Option<Weight<R>>, Invalid> {
     given.at_most_one(&[FieldId::Inclination, FieldId::InclinationDeg])?;
     let degree = R::TURN.over(360.0);
     let angle = given
@@ -33,30 +35,32 @@ pub(crate) fn inclined<R: Real>(
         .map(DoubleDouble::new)
         .or_else(|| given.get(FieldId::InclinationDeg).map(|degrees| degree.times(degrees)));
     let gravity = given.get(FieldId::Gravity);
-    let Some(angle) = angle else {
-        return match gravity {
-            None => Ok(None),
-            Some(gravity) => Err(Invalid::new(
-                FieldId::Gravity.path(),
-                number(gravity),
-                "gravity acts on a free mass where its line of motion rises; give inclination too \
-                 (inclination_deg = 90 upright, 0 level)",
-            )),
-        };
-    };
-    if angle.value == 0.0 {
+    let coefficient = given.get(FieldId::Friction);
+    if let (None, None, Some(gravity)) = (angle, coefficient, gravity) {
+        return Err(Invalid::new(
+            FieldId::Gravity.path(),
+            number(gravity),
+            "gravity acts on a free mass where its line of motion rises, or where it rubs; give inclination \
+             (inclination_deg = 90 upright, 0 level) or friction too",
+        ));
+    }
+    let angle = angle.unwrap_or(DoubleDouble::ZERO);
+    let coefficient = coefficient.filter(|coefficient| *coefficient != 0.0);
+    if angle.value == 0.0 && coefficient.is_none() {
         return Ok(None);
     }
     let standard = given.spec.standard_gravity()?.map(|g| R::given(g, false));
     let gravity = gravity.or(standard).ok_or_else(|| {
         Invalid::missing(
             FieldId::Gravity.path(),
-            "the line of motion rises, so give gravity (which has a default in SI units only)",
+            "the line of motion rises or rubs, so give gravity (which has a default in SI units only)",
         )
     })?;
-    let (sine, _) = R::precise_sincos(angle);
+    let (sine, cosine) = R::precise_sincos(angle);
     let omega = scale.natural_frequency;
-    Ok(Some(Inclined { gravity, along: sine.value * gravity / (omega * omega) }))
+    let along = if angle.value == 0.0 { R::ZERO } else { sine.value * gravity / (omega * omega) };
+    let pressing = cosine.value * gravity / (omega * omega);
+    Ok(Some(Weight { gravity, along, friction: coefficient.map(|it| it * pressing) }))
 }
 
 /// The start of a free mass on an inclined line of motion: on its lower stop, unless a gap displacement is

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::modal::Modal;
 use iva_core::absorber::several::{Alone, Several};
+use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
@@ -211,6 +212,7 @@ pub(crate) trait EstimatesOfAny<R: Real>:
     + Estimates<Siva<DrivenHost<R>>>
     + Estimates<Several<UndrivenHost<R>>>
     + Estimates<Several<DrivenHost<R>>>
+    + Estimates<Sliding<R>>
     + Estimates<Modal<UndrivenHost<R>>>
     + Estimates<Modal<DrivenHost<R>>>
     + Estimates<Alone<UndrivenHost<R>>>
@@ -225,6 +227,7 @@ impl<R: Real, E> EstimatesOfAny<R> for E where
         + Estimates<Siva<DrivenHost<R>>>
         + Estimates<Several<UndrivenHost<R>>>
         + Estimates<Several<DrivenHost<R>>>
+        + Estimates<Sliding<R>>
         + Estimates<Modal<UndrivenHost<R>>>
         + Estimates<Modal<DrivenHost<R>>>
         + Estimates<Alone<UndrivenHost<R>>>

@@ -2,6 +2,7 @@
 
 use iva_core::absorber::modal::Modal;
 use iva_core::absorber::several::{Alone, Several};
+use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
@@ -29,6 +30,8 @@ pub enum Scene<R: Real = f64> {
     Siva(Mounted<Siva<UndrivenHost<R>>>),
     /// A free mass under force, or with gravity along its motion.
     DrivenSiva(Mounted<Siva<DrivenHost<R>>>),
+    /// A free mass that rubs on its way.
+    Sliding(Box<Mounted<Sliding<R>>>),
     /// A pendulum in free decay.
     Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
     /// A pendulum under force.
@@ -47,9 +50,9 @@ pub enum Scene<R: Real = f64> {
     DrivenAlone(Mounted<Alone<DrivenHost<R>>>),
 }
 
-/// Whether several absorbers and structures with several modes are simulated as well: a program without sweeps is kept
-/// small, and does not.
-pub(crate) const LISTS: bool = cfg!(feature = "sweeps");
+/// Whether several absorbers, structures with several modes and friction are simulated as well: a program without sweeps
+/// is kept small, and does not.
+pub(crate) const EVERY_SCENE: bool = cfg!(feature = "sweeps");
 
 /// Code for the system of a scene of any kind, with its start.
 macro_rules! with_system {
@@ -59,23 +62,35 @@ macro_rules! with_system {
             $crate::engine::scene::Scene::DrivenSiva($mounted) => $body,
             $crate::engine::scene::Scene::Piva($mounted) => $body,
             $crate::engine::scene::Scene::DrivenPiva($mounted) => $body,
-            $crate::engine::scene::Scene::Several($mounted) if $crate::engine::scene::LISTS => {
-                $body
-            }
-            $crate::engine::scene::Scene::DrivenSeveral($mounted)
-                if $crate::engine::scene::LISTS =>
+            $crate::engine::scene::Scene::Several($mounted)
+                if $crate::engine::scene::EVERY_SCENE =>
             {
                 $body
             }
-            $crate::engine::scene::Scene::Modal($mounted) if $crate::engine::scene::LISTS => $body,
-            $crate::engine::scene::Scene::DrivenModal($mounted) if $crate::engine::scene::LISTS => {
+            $crate::engine::scene::Scene::DrivenSeveral($mounted)
+                if $crate::engine::scene::EVERY_SCENE =>
+            {
+                $body
+            }
+            $crate::engine::scene::Scene::Sliding($mounted)
+                if $crate::engine::scene::EVERY_SCENE =>
+            {
+                $body
+            }
+            $crate::engine::scene::Scene::Modal($mounted) if $crate::engine::scene::EVERY_SCENE => {
+                $body
+            }
+            $crate::engine::scene::Scene::DrivenModal($mounted)
+                if $crate::engine::scene::EVERY_SCENE =>
+            {
                 $body
             }
             $crate::engine::scene::Scene::Several(_)
             | $crate::engine::scene::Scene::DrivenSeveral(_)
             | $crate::engine::scene::Scene::Modal(_)
-            | $crate::engine::scene::Scene::DrivenModal(_) => {
-                unreachable!("lists of absorbers are not built")
+            | $crate::engine::scene::Scene::DrivenModal(_)
+            | $crate::engine::scene::Scene::Sliding(_) => {
+                unreachable!("scenes of this kind are not built")
             }
             $crate::engine::scene::Scene::Alone($mounted) => $body,
             $crate::engine::scene::Scene::DrivenAlone($mounted) => $body,
@@ -145,6 +160,11 @@ impl<R: Real> Scene<R> {
         with_system!(self, |it| it.system.has_points())
     }
 
+    /// True if the absorber rubs on its way.
+    pub fn rubs(&self) -> bool {
+        matches!(self, Scene::Sliding(_))
+    }
+
     /// Displacement and velocity of the primary at time zero.
     pub fn primary(&self) -> Point<R> {
         with_system!(self, |it| it.system.primary(&it.system.begin(&it.start)))
@@ -195,6 +215,7 @@ impl<R: Real> Scene<R> {
         match self {
             Scene::Siva(_) => Some(R::ZERO),
             Scene::DrivenSiva(it) => Some(it.system.gravity()),
+            Scene::Sliding(it) => Some(it.system.without_friction().gravity()),
             _ => None,
         }
     }

@@ -112,8 +112,12 @@ fn mass<R: Real>(
             return Err(Invalid::new(given.path(field), number(value), rule));
         }
     }
+    if let Some(value) = given.get(FieldId::Friction).filter(|value| *value != 0.0) {
+        let rule = "friction is that of one absorber, on one mode; leave it out";
+        return Err(Invalid::new(given.path(FieldId::Friction), number(value), rule));
+    }
     // Refuses gravity without an inclination.
-    free_mass::inclined(given, scale)?;
+    free_mass::weight(given, scale)?;
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
     let spread = given.get(FieldId::ClearanceSpread).unwrap_or(R::ZERO);

@@ -98,7 +98,7 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::RestitutionMinus => 0.7,
         F::ReferenceSpeed => 0.5,
         F::RestitutionExponent => 0.2,
-        F::YieldSpeed | F::ClearanceSpread => 0.1,
+        F::YieldSpeed | F::ClearanceSpread | F::Friction => 0.1,
         F::Units => 2.0,
         F::GapOffset => 0.001,
         F::GapOffsetMm => 1.0,

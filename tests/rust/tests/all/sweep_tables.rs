@@ -352,6 +352,7 @@ fn work_of(study: &Study) -> u64 {
         Scene::DrivenModal(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Alone(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenAlone(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::Sliding(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Piva(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenPiva(it) => tally(&it.system, &it.start, &design.limits),
     }

@@ -8,6 +8,7 @@ use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
 use crate::absorber::modal::Modal;
 use crate::absorber::several::{Several, SeveralState};
+use crate::absorber::sliding::Sliding;
 use crate::absorber::{Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
@@ -351,6 +352,13 @@ impl<H: Host<Real = f64>> Observer<Several<H>> for Errors {
 
     fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
         self.forget(absorber, first, floor);
+    }
+}
+
+/// With friction nothing is estimated.
+impl Observer<Sliding> for Errors {
+    fn looks_within(&self) -> bool {
+        false
     }
 }
 

@@ -1,0 +1,240 @@
+"""Coulomb friction of a free mass on its way, as studies and Python give it.
+
+Numbers are closed forms, or come from SciPy's DOP853 with events of its own. The core has
+references to 50 digits.
+"""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from numpy.typing import NDArray
+from polars.testing import assert_frame_equal
+from scipy.integrate import solve_ivp
+
+import iva
+
+Array = NDArray[np.float64]
+
+G = 9.80665
+PRIMARY = iva.Primary(mass=100.0, stiffness=90e3, damping_ratio=0.01)
+START = iva.Start(displacement=0.025)
+
+
+def siva(**more: Any) -> iva.Siva:
+    """Return a free mass that rubs."""
+    given = {"mass": 10.0, "restitution": 0.6, "clearance": 0.01, "friction": 0.05} | more
+    return iva.Siva(**given)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 4.0])
+def test_a_mass_slides_as_far_as_its_speed_carries_it(degrees: float) -> None:
+    """w₀²/2R on a structure that is too heavy to move, level or up a slope that holds it."""
+    k, speed = 0.2, 0.7
+    structure = iva.Primary(mass=1e9, stiffness=1e9)
+    absorber = iva.Siva(
+        mass=1e-9, restitution=0.5, clearance=1.0, friction=k, inclination_deg=degrees
+    )
+    start = iva.Start(gap_velocity=speed, gap_displacement=0.0)
+    run = iva.simulate(absorber, structure, start=start, duration=5.0, verify=True)
+    angle = math.radians(degrees)
+    deceleration = G * (k * math.cos(angle) + math.sin(angle))
+    end = run.at([4.0])
+    assert end["gap_displacement"].item() == pytest.approx(speed**2 / (2 * deceleration), rel=1e-13)
+    assert end["gap_velocity"].item() == 0.0
+    row = run.summary.row(0, named=True)
+    assert (row["stops"], row["impacts"], row["outcome"]) == (1, 0, "finished")
+    assert row["time_held"] == pytest.approx(5.0 - speed / deceleration, rel=1e-13)
+    lost = 1e-9 * k * G * math.cos(angle) * speed**2 / (2 * deceleration)
+    # The energies are those of a structure of 10⁹ kg in units in which they cancel.
+    assert row["energy_friction"] == pytest.approx(lost, rel=1e-9)
+    assert (
+        run.verification.findings["rows"].to_list() == run.verification.findings["alike"].to_list()
+    )
+
+
+def integrated(
+    absorber: iva.Siva, force: tuple[float, float], x0: float, end: float
+) -> list[Array]:
+    """Return instant, wall (0: a stop) and state of all events, one after the other by DOP853."""
+    mass, stiffness, m = 100.0, 90e3, 10.0
+    damping = 2 * 0.01 * math.sqrt(stiffness * mass)
+    e, d = float(absorber.restitution or 0.0), float(absorber.clearance or 0.0)
+    r = float(absorber.friction or 0.0) * G
+    amplitude, omega = force
+
+    def push(t: float, x: float, v: float) -> float:
+        return amplitude * math.cos(omega * t) - stiffness * x - damping * v
+
+    def sliding(s: float) -> Any:
+        def rates(t: float, z: Array) -> list[float]:
+            a = (push(t, z[0], z[1]) + m * r * s) / mass
+            return [z[1], a, z[3], -r * s - a]
+
+        return rates
+
+    def held(t: float, z: Array) -> list[float]:
+        return [z[1], push(t, z[0], z[1]) / (mass + m), 0.0, 0.0]
+
+    t, z, found = 0.0, np.array([x0, 0.0, 0.0, 0.0]), []
+    mode = 0.0
+    while t < end:
+        a = push(t, z[0], z[1]) / (mass + m)
+        if z[3] == 0.0 and abs(a) <= r * (1 + 1e-12) and mode == 0.0:
+
+            def slips(t: float, z: Array) -> float:
+                return abs(push(t, z[0], z[1]) / (mass + m)) - r
+
+            slips.terminal, slips.direction = True, 1.0  # type: ignore[attr-defined]
+            events: list[Any] = [slips]
+            rates = held
+        else:
+            mode = math.copysign(1.0, z[3] if z[3] != 0.0 else -a)
+
+            def plus(_: float, z: Array) -> float:
+                return float(d - z[2])
+
+            def minus(_: float, z: Array) -> float:
+                return float(d + z[2])
+
+            def stops(_: float, z: Array, s: float = mode) -> float:
+                return float(s * z[3])
+
+            for event in (plus, minus, stops):
+                event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+            events = [plus, minus, stops]
+            rates = sliding(mode)
+        step = solve_ivp(
+            rates, (t, end), z, "DOP853", events=events, rtol=1e-13, atol=1e-16, max_step=1e-3
+        )
+        t, z = float(step.t[-1]), step.y[:, -1].copy()
+        if step.status == 0:
+            break
+        if rates is held:
+            mode = -math.copysign(1.0, push(t, z[0], z[1]))
+            # So that the next slide begins with this direction.
+            z[3] = mode * 1e-300
+            continue
+        which = next(index for index, times in enumerate(step.t_events) if len(times))
+        if which == 2:
+            z[3], mode = 0.0, 0.0
+            found.append(np.array([t, 0.0, *z]))
+            continue
+        found.append(np.array([t, 1.0 - 2.0 * which, *z]))
+        w = z[3]
+        z[1] += m * (1 + e) * w / (mass + m)
+        z[3] = -e * w
+        mode = 0.0
+    return found
+
+
+@pytest.mark.parametrize(
+    ("friction", "force", "x0"),
+    [(0.05, (0.0, 1.0), 0.025), (0.3, (200.0, 28.0), 0.0), (0.5, (400.0, 33.0), 0.004)],
+)
+def test_events_are_those_of_an_integrator(
+    friction: float, force: tuple[float, float], x0: float
+) -> None:
+    absorber = siva(friction=friction)
+    drive = iva.Harmonic(force=force[0], frequency=force[1])
+    run = iva.simulate(
+        absorber,
+        PRIMARY,
+        start=iva.Start(displacement=x0),
+        force=drive if force[0] else None,
+        duration=1.2,
+    )
+    found = integrated(absorber, force, x0, 1.2)
+    hits = np.array([event for event in found if event[1] != 0.0])
+    assert run.impacts.height == len(hits)
+    assert run.impacts["wall"].to_list() == hits[:, 1].tolist()
+    # An integrator is late by its tolerance over the approach speed.
+    assert np.abs(run.impacts["time"].to_numpy() - hits[:, 0]).max() < 1e-8
+    assert run.summary["stops"].item() == sum(event[1] == 0.0 for event in found) > 2
+    row = run.summary.row(0, named=True)
+    assert abs(row["energy_residual"]) < 1e-13 * max(row["energy_initial"], row["energy_work"])
+    assert row["energy_friction"] > 0.0
+
+
+def test_no_friction_is_none() -> None:
+    without = iva.simulate(siva(friction=None), PRIMARY, start=START, periods=10)
+    none = iva.simulate(siva(friction=0.0), PRIMARY, start=START, periods=10)
+    assert_frame_equal(none.impacts, without.impacts, check_exact=True)
+    assert none.summary.select("energy_friction", "stops", "time_held").row(0) == (0.0, 0, 0.0)
+
+
+def test_a_decay_ends() -> None:
+    """Then the mass is held, and the structure swings as one with it."""
+    run = iva.simulate(siva(), PRIMARY, start=START, periods=120)
+    end = run.summary["time_held"].item()
+    last = run.at([run.trajectory()["time"].max()])
+    assert last["gap_velocity"].item() == 0.0
+    assert end > 10.0
+    free = iva.simulate(siva(friction=None), PRIMARY, start=START, periods=120)
+    assert free.summary["time_held"].item() == 0.0
+    assert pickle.loads(pickle.dumps(run)).summary.equals(run.summary)
+
+
+def test_sweeps_gradients_and_studies() -> None:
+    over = {"friction": [0.0, 0.02, 0.1], "clearance": [0.01, 0.02]}
+    table = iva.sweep(
+        siva(), PRIMARY, start=START, periods=10, over=over, tables=["summary", "impacts"]
+    )
+    for point, (friction, clearance) in enumerate(
+        (f, c) for f in over["friction"] for c in over["clearance"]
+    ):
+        alone = iva.simulate(
+            siva(friction=friction, clearance=clearance), PRIMARY, start=START, periods=10
+        )
+        swept = table.impacts.filter(pl.col("point") == point).drop("point")
+        assert_frame_equal(swept, alone.impacts.drop("point"), check_exact=True)
+    by = 1e-7
+    found = iva.simulate(siva(), PRIMARY, start=START, periods=2, gradients=["friction"])
+    lower, upper = (
+        iva.simulate(siva(friction=0.05 + off), PRIMARY, start=START, periods=2)
+        .impacts["time"]
+        .to_numpy()
+        for off in (-by, by)
+    )
+    told = found.gradients["friction"].impacts["time"].to_numpy()
+    assert np.abs(told - (upper - lower) / (2 * by)).max() < 1e-4 * np.abs(told).max()
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (
+            lambda: iva.simulate([siva(), siva()], PRIMARY, start=START, periods=1),
+            "friction is that of one absorber",
+        ),
+        (
+            lambda: iva.simulate(siva(), PRIMARY, start=START, periods=1, errors=True),
+            "none are estimated with friction",
+        ),
+        (
+            lambda: iva.simulate(
+                iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.5, friction=0.1),
+                iva.Primary(),
+                start=iva.Start(displacement=1.0),
+                periods=1,
+            ),
+            "absorber.gravity is missing",
+        ),
+        (lambda: siva(friction=-0.1), "friction = -0.1: give"),
+        (
+            lambda: iva.dynamics.orbit(
+                siva(), PRIMARY, force=iva.Harmonic(force=10.0, frequency=30.0), start=(0, 0, 0, 0)
+            ),
+            "orbits are those of an absorber without friction",
+        ),
+        (lambda: iva.explore(iva.simulate(siva(), PRIMARY, start=START, periods=1)), "friction"),
+    ],
+)
+def test_what_friction_does_not_go_with(call: Any, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        call()
