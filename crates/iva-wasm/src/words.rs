@@ -7,10 +7,13 @@ use iva_sweep::units::UnitSystem;
 
 use crate::json::{self, list, object, text};
 
+/// Fields of scenes that are not simulated here.
+const ELSEWHERE: [FieldId; 3] = [FieldId::Units, FieldId::ClearanceSpread, FieldId::Friction];
+
 /// All fields, choices and measures.
 pub fn described() -> String {
     let kinds = |kinds: &[iva_sweep::choices::Kind]| list(kinds.iter().map(|it| text(it.name())));
-    let fields = FieldId::all().map(|id| {
+    let fields = FieldId::all().filter(|id| !ELSEWHERE.contains(id)).map(|id| {
         let field = id.info();
         object([
             ("path", text(&id.path())),

@@ -41,7 +41,8 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     Raises
     ------
     ValueError
-        If it has more than one force, one that is not harmonic, a structure with several modes, or friction.
+        If it has more than one force, one that is not harmonic, a structure with several modes,
+        or friction.
     """
     if "structure" in spec:
         raise ValueError("primary: the explorer takes no structure with several modes")
