@@ -23,6 +23,7 @@ mod fast_errors;
 mod fast_tier;
 mod flight;
 mod forced;
+mod friction;
 mod gradients;
 mod impulses;
 mod inclined;

@@ -12,6 +12,8 @@ use crate::segment::slide::{Ends, Slide};
 
 /// Length of the first search for the return from a stop in units of the time that it takes under constant acceleration.
 const LOOK: f64 = 1.25;
+/// Largest number of segments of a rebound that is computed only to list it.
+const MOST: usize = 1000;
 
 impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// One segment of a slide, ended by its length, a contact, a stop or the end of the run.
@@ -101,22 +103,23 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let (mut state, mut clock) = (*state, Clock::<R>::ZERO);
         let leave = system.distance(&state);
         let mut look = -leave.rate * 2.0 / leave.curvature;
-        // On its way out, and back.
-        for _ in 0..2 {
+        for _ in 0..MOST {
             let flight = system.flight(&state);
             let Slide { end, ends, .. } = system.slide(&flight, flight.reach().min(look))?;
-            clock = clock.plus(end.h);
             let there = flight.arrival(end.h);
             let (after, later) = match ends {
+                Ends::Length => (there, R::ZERO),
                 Ends::Stop => system.stopped(&there),
                 Ends::Wall(Side::Near) => system.touch(&there, system.wall(&there)),
-                Ends::Length | Ends::Wall(Side::Far) => return None,
+                Ends::Wall(Side::Far) => return None,
             };
-            (state, clock) = (after, clock.plus(later));
-            if ends != Ends::Stop {
-                return Some((state, clock));
+            (state, clock) = (after, clock.plus(end.h).plus(later));
+            match ends {
+                Ends::Wall(_) => return Some((state, clock)),
+                Ends::Stop if system.is_held(&state) => return None,
+                Ends::Stop => look = self.first_return(&state),
+                Ends::Length => {}
             }
-            look = self.first_return(&state);
         }
         None
     }
