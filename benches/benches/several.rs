@@ -1,12 +1,14 @@
-//! Free decays and driven runs of several free masses, 30 periods, alone in the event loop: time per impact and mass count,
-//! beside that of one free mass. Divided by the number of impacts it is the time per impact of any of them.
+//! Free decays and driven runs of what real structures have, 30 periods, alone in the event loop, as time per impact: several
+//! free masses, several modes with one mass or five, and friction, beside one free mass on one mode.
 //!
 //! `cargo bench -p iva-benches --bench several`.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure};
 use iva_core::absorber::several::{Several, Starts};
+use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::error::Invalid;
 use iva_core::flight::GapPoint;
@@ -68,9 +70,47 @@ fn all(criterion: &mut Criterion) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// A structure of so many modes, ωⱼ = j, with five points.
+fn structure(modes: usize) -> Result<ModalStructure, Invalid> {
+    let frequencies: Vec<f64> = (1..=modes).map(|j| j as f64).collect();
+    let mut structure = ModalStructure::new(&frequencies, &vec![DAMPING_RATIO; modes])?;
+    for (k, name) in POINTS.into_iter().enumerate() {
+        let place = (k as f64 + 1.0) / 6.0 * std::f64::consts::PI;
+        let shapes: Vec<f64> = (1..=modes).map(|j| (j as f64 * place).sin()).collect();
+        structure = structure.with_point(name, &shapes)?;
+    }
+    Ok(structure)
+}
+
+const POINTS: [&str; 5] = ["a", "b", "c", "d", "e"];
+
+fn modes(criterion: &mut Criterion) -> Result<(), Invalid> {
+    let rest = GapPoint { y: 0.0, w: 0.0 };
+    for (modes, count) in [(1, 1), (2, 1), (20, 1), (20, 5)] {
+        let masses = masses(count)?;
+        let at: Vec<_> = masses.into_iter().zip(POINTS).collect();
+        let system = Modal::of(structure(modes)?, &at)?;
+        let start = ModalStart::new(&[1.0], &[], [rest; 8])?;
+        run(criterion, (&format!("{modes} modes, decay"), count), &system, &start)?;
+    }
+    Ok(())
+}
+
+fn friction(criterion: &mut Criterion) -> Result<(), Invalid> {
+    let mass = Siva::new(MASS_RATIO, RESTITUTION, 0.6, DAMPING_RATIO)?;
+    let start = Start { displacement: 1.0, ..Start::default() };
+    for friction in [0.0, 0.02] {
+        let system = Sliding::new(&mass, 0.0, friction, push()?)?;
+        run(criterion, (&format!("friction {friction}, driven"), 1), &system, &start)?;
+    }
+    Ok(())
+}
+
 fn several(criterion: &mut Criterion) {
     // Invalid scenes would show as missing benches.
     let _ = all(criterion);
+    let _ = modes(criterion);
+    let _ = friction(criterion);
 }
 
 criterion_group!(benches, several);
