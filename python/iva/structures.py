@@ -104,7 +104,7 @@ class Structure:
     ...     absorber_at="top",
     ... )
     >>> frame.modes()["frequency_hz"].round(3).to_list()
-    [1.218, 2.25]
+    [1.125, 2.251]
     """
 
     frequencies: Sequence[float] | None = None

@@ -272,8 +272,8 @@ fields! {
     ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
-    Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
     Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity" Siva;
+    Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
     InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "angle by which the line of motion rises, in degrees: 90 upright" Siva;
     Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination or friction" Siva Piva;
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
