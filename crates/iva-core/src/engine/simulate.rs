@@ -257,7 +257,11 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let system = self.system;
         let state = self.tally.state;
         if system.slides() {
-            return if system.is_held(&state) { self.hold(remaining) } else { self.slide(remaining) };
+            return if system.is_held(&state) {
+                self.hold(remaining)
+            } else {
+                self.slide(remaining)
+            };
         }
         let flight = system.flight(&state);
         let length = flight.reach().min(self.progress.ahead());

@@ -111,6 +111,7 @@ impl Observer<Free<Twofold>> for Bounds {
             ratio: law.rebound,
             spread: law.spread,
             power,
+            back: None,
         };
         let error = rebound.tail_error();
         if power.is_some() && error < 1.0 {

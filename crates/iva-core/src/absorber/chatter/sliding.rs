@@ -169,8 +169,14 @@ mod tests {
             let (fine, _, finer) = seen(1e-4);
             assert!(coarse.abs() <= estimate, "{q} {j} {k}: {coarse:e} beyond {estimate:e}");
             let exact = coarse.abs() < 1e-15;
-            assert!(exact || (coarse / fine - 1000.0).abs() < 60.0, "{q} {j} {k}: {coarse:e} {fine:e}");
-            assert!(share.abs() < 0.1 && finer.abs() < 0.2 * share.abs() + 1e-12, "{share:e} {finer:e}");
+            assert!(
+                exact || (coarse / fine - 1000.0).abs() < 60.0,
+                "{q} {j} {k}: {coarse:e} {fine:e}"
+            );
+            assert!(
+                share.abs() < 0.1 && finer.abs() < 0.2 * share.abs() + 1e-12,
+                "{share:e} {finer:e}"
+            );
         }
     }
 }

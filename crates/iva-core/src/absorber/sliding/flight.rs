@@ -170,7 +170,6 @@ impl<R: Real> Curve for Speed<'_, '_, R> {
             curvature: -*s * jerk,
             jerk: -*s * snap,
         }
-
     }
 
     /// The sum of the terms up to h³ in double-double. Those from h⁴ on are rounded to plain numbers: an error of a tenth of
