@@ -28,9 +28,9 @@
 //! |---|---|
 //! | [`number`] | doubles, double-doubles, numbers with derivatives ([`real`]), arrays over lanes |
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
-//! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`]) |
+//! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`], [`segment::slide`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
-//! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); several free masses on one structure ([`absorber::several`]), or at points of one with several modes ([`absorber::modal`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), the laws of its restitution ([`absorber::restitution`]), and the formulas of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
+//! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]), or with friction in it ([`sliding`]); several free masses on one structure ([`absorber::several`]), or at points of one with several modes ([`absorber::modal`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), the laws of its restitution ([`absorber::restitution`]), and the formulas of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
 //! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
@@ -48,6 +48,7 @@
 //! | a new field of a scene, for studies, sweeps and Python | a row in `crates/iva-sweep/src/fields.rs`, and its meaning in `crates/iva-sweep/src/engine/design.rs`; `CONTRIBUTING.md` has all steps |
 //! | another kind of absorber | a file or folder in `absorber/` that implements [`absorber::OnStructure`], [`absorber::ImpactLaw`] and [`absorber::Absorber`], with the motions of flight and ride ([`flight::Motion`], [`flight::Curve`]); the shortest that goes side by side is [`coupled`]; `docs/adding-an-absorber.md` has all steps |
 //! | another structure | the same three traits, with the absorber that is on it: `tests/rust/src/two_modes.rs` has two modes; of the core's own, [`absorber::modal`] has many |
+//! | friction in the gap | the equations and the law at walls: [`absorber::sliding`]; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
 //! | a second absorber on one structure | [`absorber::several`] has the list of free masses; one absorber is at hand in a state ([`Absorber::at_hand`](absorber::Absorber::at_hand)), and the event loop takes each in turn (`engine/simulate/together.rs`). Impacts and stick episodes tell the index of their absorber. Lanes and orbits know one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
@@ -100,7 +101,7 @@ pub mod segment;
 pub mod theory;
 
 // What users name, without its room.
-pub use absorber::{chatter, coupled, impact, piva, siva};
+pub use absorber::{chatter, coupled, impact, piva, siva, sliding};
 pub use engine::{observe, simulate};
 pub use host::oscillator;
 pub use measures::{extremes, peaks, propagation, sample, steady, summary};

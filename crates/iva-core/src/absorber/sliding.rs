@@ -72,7 +72,7 @@ pub struct Sliding<R: Real = f64> {
 const BALANCED_ULPS: f64 = 1024.0;
 
 impl<R: Real> Sliding<R> {
-    /// A free mass on a structure under a force (`Force::none` without), with gravity G along the motion and friction R, both
+    /// A free mass on a structure under a force (the default one without), with gravity G along the motion and friction R, both
     /// accelerations in ωn² × length: of a mass on a plane of inclination α with the friction coefficient k, G = g sin α and
     /// R = k g cos α.
     ///

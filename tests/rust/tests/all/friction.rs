@@ -667,16 +667,19 @@ fn impulses_and_jumps_act_on_a_held_mass() {
     assert!(found[0].side == -1.0 && found[0].time > 2.0, "{found:?}");
     assert_eq!(found.last().unwrap().kind, "held");
     assert!(tally.friction.time_held.value < 28.1 && tally.friction.time_held.value > 20.0);
-    let jump = |height: f64| {
-        let history =
-            History::new(vec![0.0, 3.0, 3.0, 3.5, 3.5], vec![0.0, 0.0, height, height, 0.0]);
-        let history = Arc::new(history.unwrap());
-        Record { history, acts: Acts::Primary, rate: 1.0, scale: 1.0 }
+    // A constant force that ends: of the held pair A = cos(τ/√1.2) · 0.35/1.2, but for damping. At 6.88 it is back where it began, so
+    // that the jump leaves A at 0; at 3 it is −0.26 and jumps to −0.55.
+    let ended = |end: f64| {
+        let history = Arc::new(History::new(vec![0.0, end], vec![0.35, 0.35]).unwrap());
+        let record = Record { history, acts: Acts::Primary, rate: 1.0, scale: 1.0 };
+        Force::new(vec![], vec![record], &[]).unwrap()
     };
-    let (tally, found) = watch(Force::new(vec![], vec![jump(0.35)], &[]).unwrap());
+    let (tally, found) = watch(ended(6.88));
     assert_eq!((tally.friction.stops, found.len()), (0, 0), "{found:?}");
-    let (tally, found) = watch(Force::new(vec![], vec![jump(0.8)], &[]).unwrap());
-    assert!(tally.friction.stops > 0 && found[0].side == -1.0, "{found:?}");
+    assert!((tally.friction.time_held.value - 30.0).abs() < 1e-12);
+    let (tally, found) = watch(ended(3.0));
+    assert!(tally.friction.stops > 0 && found[0].side == 1.0, "{found:?}");
+    assert!(found[0].time > 3.0 && tally.friction.time_held.value > 3.0);
     let measures = Measures::<Sliding>::new(Wanted::ALL);
     assert_eq!(measures.values().energy_friction, 0.0);
 }
