@@ -64,7 +64,7 @@ impl<R: Real> Observer<Sliding<R>> for Watch<R> {
         let told = std::mem::replace(&mut self.told, false);
         if let Some((_, before)) = self.before.filter(|_| !told) {
             let [was, is] = [before.direction(), now.direction()];
-            if was != is && !span.motion.wall().is_some() {
+            if was != is && span.motion.wall().is_none() {
                 let kind = match (was == 0.0, is == 0.0) {
                     (_, true) => "held",
                     (true, _) => "slips",
@@ -302,7 +302,7 @@ fn a_block_on_a_hard_shaking_floor_never_rests() {
 }
 
 /// A number of the reference, with 30 digits.
-fn read<R: Real>(value: &Value) -> Twofold {
+fn read(value: &Value) -> Twofold {
     let text = value.as_str().unwrap();
     let (sign, text) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
     let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
@@ -319,7 +319,7 @@ fn read<R: Real>(value: &Value) -> Twofold {
 
 /// A scene of the reference.
 fn referred<R: Real>(scene: &Value, of: impl Fn(Twofold) -> R) -> Told<R> {
-    let n = |key: &str| of(read::<R>(&scene[key]));
+    let n = |key: &str| of(read(&scene[key]));
     let siva = Siva::new(n("mu"), n("e"), n("gamma"), n("zeta")).unwrap();
     let harmonic =
         Harmonic { amplitude: n("F"), frequency: n("Omega"), phase: R::ZERO, acts: Acts::Primary };
@@ -361,7 +361,7 @@ fn reference_events_are_met() {
             counted[kinds.iter().position(|it| *it == kind).unwrap()] += 1;
             let condition = expected["condition"].as_f64().unwrap();
             let [tau, v, gap, w] =
-                ["tau", "v_main", "gap", "approach"].map(|key| read::<f64>(&expected[key]));
+                ["tau", "v_main", "gap", "approach"].map(|key| read(&expected[key]));
             let off = |k: f64| k / condition.max(1.0);
             worst = worst.max(off(f64::from((b.time - tau).abs())));
             for (number, truth) in b.numbers.iter().zip([v, gap, w]) {
