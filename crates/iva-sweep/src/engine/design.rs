@@ -167,7 +167,7 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
-        if let Some(structure) = self.spec.structure() {
+        if let Some(structure) = self.spec.structure().filter(|_| EVERY_SCENE) {
             return modal::scene(self, structure, start, force, scale);
         }
         let units_of_first = self.spec.units_of(0);
