@@ -18,6 +18,7 @@ from polars.testing import assert_frame_equal
 from scipy.integrate import solve_ivp
 
 import iva
+from iva.plots.energy_split import split_of
 
 Array = NDArray[np.float64]
 
@@ -238,3 +239,15 @@ def test_sweeps_gradients_and_studies() -> None:
 def test_what_friction_does_not_go_with(call: Any, told: str) -> None:
     with pytest.raises(ValueError, match=told):
         call()
+
+
+@pytest.mark.parametrize("degrees", [0.0, 2.0])
+def test_the_losses_in_friction_are_drawn(degrees: float) -> None:
+    """All energies of a decay together are the initial one."""
+    start = iva.Start(displacement=0.025, gap_displacement=0.0)
+    run = iva.simulate(siva(inclination_deg=degrees), PRIMARY, start=start, periods=12)
+    split = split_of(run)
+    assert list(split.layers) == ["structure", "absorber", "damper", "impacts", "friction"]
+    lost = run.summary["energy_friction"].item()
+    assert split.layers["friction"][-1] == pytest.approx(lost, rel=1e-3)
+    assert np.abs(split.total / split.total[0] - 1.0).max() < 1e-4

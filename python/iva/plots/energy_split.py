@@ -9,9 +9,19 @@ from matplotlib.axes import Axes
 
 from iva.design import Design, design_of
 from iva.forces import Impulse, listed
+from iva.parameters import Siva
 from iva.plots.arguments import Numbers, checked_run, values_of
 from iva.plots.labels import labelled
-from iva.plots.styles import BLACK, ORANGE, PURPLE, SKY_BLUE, VERMILLION, drawing_on, legend_above
+from iva.plots.styles import (
+    BLACK,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY_BLUE,
+    VERMILLION,
+    drawing_on,
+    legend_above,
+)
 from iva.simulation import Run
 from iva.spelling import spell_checked
 
@@ -21,8 +31,11 @@ COLOURS = {
     "damper": "#B3B3B3",
     "impacts": VERMILLION,
     "pivot": PURPLE,
+    "friction": GREEN,
 }
 
+#: Of runs in SI units that give no other, in m/s².
+STANDARD_GRAVITY = 9.80665
 #: Samples in the shortest time scale of the motion: the losses are integrals over them.
 SAMPLES = 200
 MOST_SAMPLES = 10_000
@@ -37,11 +50,11 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     """Draw how the energy splits over time: what the masses have, and what each loss has taken.
 
     From below: structure (kinetic, and of its spring), absorber (kinetic, and in gravity, where it
-    is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in steps)
-    and in a pendulum's pivot. In free decay everything is relative to the initial energy and fills
-    the height up to 1. Under forces energies are drawn in their unit, and the upper edge is the
-    initial energy plus the work done so far. Without absorber there are structure and damper
-    alone.
+    is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in
+    steps), and in a pendulum's pivot or in friction. In free decay everything is relative to the
+    initial energy and fills the height up to 1. Under forces energies are drawn in their unit, and
+    the upper edge is the initial energy plus the work done so far. Without absorber there are
+    structure and damper alone.
 
     Parameters
     ----------
@@ -150,11 +163,18 @@ def split_of(run: Run) -> Split:
         layers[name] = cumulative(np.where(steps > 0.0, loss, 0.0))
     # Where time stands still only an impact can have taken energy.
     layers["impacts"] = cumulative(np.where(steps == 0.0, -np.diff(system), 0.0))
+    way = np.abs(np.diff(motion["gap_displacement"]))
+    rubbed = friction_force(run, design) * np.where(steps > 0.0, np.nan_to_num(way), 0.0)
+    layers["friction"] = cumulative(rubbed)
     whole = float(Split(time, layers).total.max())
     if layers["impacts"].min() < -1e-9 * whole:
         raise ValueError("impacts add energy in this run: its energy cannot be split into losses")
     row = run.summary.row(0, named=True)
-    for name, column in (("damper", "energy_viscous"), ("pivot", "energy_pivot")):
+    for name, column in (
+        ("damper", "energy_viscous"),
+        ("pivot", "energy_pivot"),
+        ("friction", "energy_friction"),
+    ):
         truth = row[column]
         if truth is not None and abs(layers[name][-1] - truth) > TOLERANCE * whole:
             raise ValueError(
@@ -166,7 +186,21 @@ def split_of(run: Run) -> Split:
         names = ["structure", "damper"]
     if design.pendulum is not None and design.pendulum.damping_ratio > 0.0:
         names.append("pivot")
+    if layers["friction"][-1] > 0.0:
+        names.append("friction")
     return Split(time, {name: layers[name] for name in names})
+
+
+def friction_force(run: Run, design: Design) -> float:
+    """Return the friction m k g cos α of a free mass that rubs; 0 for any other."""
+    absorber = run.absorber
+    if not isinstance(absorber, Siva) or not absorber.friction:
+        return 0.0
+    assert design.mass_ratio is not None
+    angle = absorber.inclination or np.deg2rad(absorber.inclination_deg or 0.0)
+    mass = design.mass * design.mass_ratio
+    gravity = absorber.gravity or STANDARD_GRAVITY
+    return float(mass * absorber.friction * gravity * np.cos(angle))
 
 
 def cumulative(parts: Numbers) -> Numbers:
