@@ -20,7 +20,7 @@ from iva.design import design_of
 from iva.faults import fault
 from iva.forces import file_name, listed, written
 from iva.parameters import number, shown
-from iva.scenes import absorbers
+from iva.scenes import absorbers, seen_with_absorbers
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -316,6 +316,7 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
     """Return the datasets of a universal file: in SI units 164, then one 58 a measured motion."""
     import polars as pl
 
+    seen_with_absorbers(run)
     states = run.at(times).filter(pl.col("displacement").is_finite())
     count = design_of(run).absorbers
     first = states[:: max(count, 1)]

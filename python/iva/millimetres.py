@@ -64,7 +64,8 @@ def warn_of_metres(spec: Spec, points: tuple[Any, ...] | None = None) -> None:
     axes = {} if points is None else {key: axis for key, *axis in points[1]}
     # Lengths are in metres where a mass is given. A start that goes on from another run, which
     # has a reference, is as small as that run left it.
-    if not ("primary.mass" in spec or "primary.mass" in axes) or "start.reference" in spec:
+    metric = "structure" in spec or "primary.mass" in spec or "primary.mass" in axes
+    if not metric or "start.reference" in spec:
         return
     gap = length("absorber", GAP, spec, axes)
     start = length("start", START, spec, axes)
@@ -77,9 +78,10 @@ def warn_of_metres(spec: Spec, points: tuple[Any, ...] | None = None) -> None:
     if LEAST <= times <= MOST:
         import warnings
 
+        given = "a structure" if "structure" in spec else "the primary mass"
         warnings.warn(
-            f"{large} is {times:.0f} times {small}: lengths are in metres where the primary mass "
-            f"is given; where millimetres are meant, give {large.field}_mm",
+            f"{large} is {times:.0f} times {small}: lengths are in metres where {given} is "
+            f"given; where millimetres are meant, give {large.field}_mm",
             stacklevel=4,
         )
 

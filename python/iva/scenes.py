@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from iva.parameters import Spec
+    from iva.simulation import Run
 
 #: What only an impulse has.
 OF_IMPULSES = frozenset({"velocity", "impulse", "time"})
@@ -64,6 +65,20 @@ def scene(
     if forces := [fields_of(force) for force in listed(force)]:
         made["forces"] = forces
     return made
+
+
+def seen_with_absorbers(run: Run) -> None:
+    """Look whether a run sees its structure where its absorbers are.
+
+    Raises
+    ------
+    ValueError
+        If it does not: then the motion of absorbers in space is not told.
+    """
+    elsewhere = isinstance(run.primary, Structure) and not run.primary._moves_as_seen()
+    if run.absorber is not None and elsewhere:
+        rule = "give seen_at the point of all absorbers for their motion in space"
+        raise ValueError(f"run has absorbers at other points than that which it sees: {rule}")
 
 
 def absorbers(given: Absorber | Sequence[Absorber] | None) -> tuple[Absorber | None, ...]:

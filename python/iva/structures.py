@@ -139,7 +139,7 @@ class Structure:
         return {name: value for name, value in values if value is not None}
 
     def _moves_as_seen(self) -> bool:
-        """Return whether all absorbers ride at the point that runs see."""
+        """Return whether runs see the point of all absorbers."""
         at = (
             {self.absorber_at} if isinstance(self.absorber_at, str) else set(self.absorber_at or ())
         )

@@ -301,7 +301,7 @@ def test_what_a_structure_does_not_take(absorber: Any, more: dict[str, Any], tol
         iva.simulate(absorber, frame(), start=START, periods=1, **more)
 
 
-def test_what_is_of_one_mode_refuses_several() -> None:
+def test_what_is_of_one_mode_refuses_several(tmp_path: Path) -> None:
     run = iva.simulate(SIVA, frame(), start=START, periods=2)
     with pytest.raises(ValueError, match="no room for the state of several modes"):
         run.state_at(1.0)
@@ -315,6 +315,10 @@ def test_what_is_of_one_mode_refuses_several() -> None:
     elsewhere = iva.simulate(SIVA, frame(seen_at="first"), start=START, periods=2)
     with pytest.raises(ValueError, match="give seen_at the point of all absorbers"):
         iva.plots.velocities(elsewhere)
+    with pytest.raises(ValueError, match="give seen_at the point of all absorbers"):
+        elsewhere.write_uff(tmp_path / "it.uff")
+    bare = iva.simulate(None, frame(seen_at="first"), start=START, periods=2)
+    assert iva.plots.velocities(bare).get_xlabel() == "time t (s)"
     assert iva.plots.velocities(run).get_xlabel() == "time t (s)"
     assert iva.plots.decay(elsewhere).get_xlabel() == "time t (s)"
 
@@ -353,3 +357,29 @@ cycles = 2
     orbit = iva_("orbit", str(study))
     assert orbit.returncode == 2
     assert "structure = several modes: orbits are those of an absorber on one mode" in orbit.stderr
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_an_impulse_moves_the_structure_and_not_the_masses(count: int) -> None:
+    """The structure gains P φ(p) φ(k) at each point, and the gaps the opposite."""
+    structure = frame(absorber_at="top", force_at="top", seen_at="top")
+    absorber = [SIVA] * count if count > 1 else SIVA
+    blow = iva.Impulse(impulse=100.0)
+    run = iva.simulate(absorber, structure, start=iva.Start(), force=blow, duration=5.0)
+    first = run.at([0.0])
+    gained = 100.0 / MASS[1, 1]
+    assert first["velocity"].to_numpy() == pytest.approx([gained] * count, rel=1e-14)
+    assert first["gap_velocity"].to_numpy() == pytest.approx([-gained] * count, rel=1e-14)
+    assert run.impacts.height > count
+    row = run.summary.row(0, named=True)
+    assert abs(row["energy_residual"]) < 1e-13 * row["energy_work"]
+
+
+def test_millimetres_are_not_taken_for_metres() -> None:
+    with pytest.warns(UserWarning, match="where millimetres are meant"):
+        iva.simulate(
+            iva.Siva(mass=60.0, restitution=0.6, clearance=20.0),
+            frame(),
+            start=iva.Start(displacement=0.03),
+            periods=1,
+        )

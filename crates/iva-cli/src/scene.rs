@@ -232,7 +232,8 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
         let amplitude = of(|harmonic| harmonic.amplitude.abs());
         let frequency = of(|harmonic| harmonic.frequency);
         if designs.iter().all(|design| design.scene.has_modes()) {
-            let on = if first.moves_base() { "the base" } else { "the structure" };
+            let acts = first.harmonics().get(number).map(|harmonic| harmonic.acts);
+            let on = if acts == Some(Acts::Base) { "the base" } else { "the structure" };
             lines.push(format!(
                 "Force on {on}, of {frequency} times the frequency of the first mode"
             ));

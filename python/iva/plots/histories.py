@@ -24,9 +24,9 @@ from iva.plots.styles import (
     drawing_on,
     legend_above,
 )
+from iva.scenes import seen_with_absorbers
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
-from iva.structures import Structure
 
 #: Levels in percent whose settling times the summary has.
 SETTLED = (10.0, 5.0, 2.0)
@@ -254,9 +254,7 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
     """
     motion, end = motion_of(checked_run(run, several=True, modes=True), until)
-    if isinstance(run.primary, Structure) and not run.primary._moves_as_seen():
-        rule = "give seen_at the point of all absorbers to draw their velocities"
-        raise ValueError(f"run has absorbers at other points than that which it sees: {rule}")
+    seen_with_absorbers(run)
     units = run.units["trajectory"]
     count = design_of(run).absorbers
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"

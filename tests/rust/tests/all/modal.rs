@@ -9,7 +9,7 @@ use iva_core::{
     absorber::modal::{Modal, ModalStart, ModalStructure},
     absorber::several::{Several, Starts},
     absorber::{Absorber, OnStructure, Point, Start},
-    force::Acts,
+    force::{Acts, Force, Harmonic, Impulse},
     real::{Real, twofold::Twofold},
     run::run,
     simulate::{Limits, Outcome, simulate},
@@ -116,6 +116,58 @@ fn a_mode_with_a_node_at_the_absorbers_is_free() {
         (-rate * t).exp() * (q * (damped * t).cos() + (v + rate * q) / damped * (damped * t).sin());
     let found = run.tally.state.modes().places[1].value;
     assert!((found - expected).abs() < 3e-15, "{found} {expected}");
+}
+
+/// A list of masses on a structure is the same as an array of them, to the bit: in decays, under a force with an impulse, and on
+/// a moving base. The impulse also meets masses that are stuck.
+#[test]
+fn a_list_is_an_array_to_the_bit() {
+    let mut rng = Rng::new(31);
+    let mut impacts = 0;
+    for k in 0..12 {
+        let structure = any_structure::<f64>(&mut rng, 3, k % 2 == 0);
+        let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at: [_; 2] = std::array::from_fn(|k| (built(masses[k]), POINTS[k]));
+        let array = Modal::new(structure.clone(), at).unwrap();
+        let list = Modal::of(structure, &at).unwrap();
+        let mut values = || -> [f64; 3] { std::array::from_fn(|_| rng.range(-1.0, 1.0)) };
+        let (q, v) = (values(), values());
+        let start = ModalStart::new(&q, &v, gaps(&masses)).unwrap();
+        let [one, other] = gaps(&masses);
+        let room = std::array::from_fn(|k| if k == 0 { one } else { other });
+        let longer = ModalStart::new(&q, &v, room).unwrap();
+        let limits = limits(20.0);
+        let [found, known] = if k % 3 == 0 {
+            [
+                run(&list, &longer, &limits).map(|it| told(&it)),
+                run(&array, &start, &limits).map(|it| told(&it)),
+            ]
+        } else {
+            let acts = if k % 3 == 1 { Acts::Base } else { Acts::Primary };
+            let harmonic = Harmonic { amplitude: 0.4, frequency: 0.9, phase: 0.2, acts };
+            let blows = [3.0, 7.5].map(|time| Impulse { velocity: 0.5, time });
+            let force = Force::new(vec![harmonic], vec![], &blows).unwrap();
+            let (a, b) = (
+                list.under(force.clone(), POINTS[0]).unwrap(),
+                array.under(force, POINTS[0]).unwrap(),
+            );
+            let found = run(&a, &longer, &limits).map(|it| {
+                let m = &it.measures;
+                let whole = m.energy_initial + m.energy_viscous + m.energy_work.abs();
+                assert!(
+                    m.energy_residual.abs() < 1e-13 * whole,
+                    "{} of {whole}",
+                    m.energy_residual
+                );
+                told(&it)
+            });
+            [found, run(&b, &start, &limits).map(|it| told(&it))]
+        };
+        let (found, known) = (found.unwrap(), known.unwrap());
+        impacts += known.0.len();
+        assert_eq!(found, known);
+    }
+    assert!(impacts > 200, "{impacts}");
 }
 
 /// The mirror image of a scene has the mirror image of its events, to the bit.

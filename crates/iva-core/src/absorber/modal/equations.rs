@@ -65,6 +65,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         rhs: [DoubleDouble<R>; N],
     ) -> [DoubleDouble<R>; N] {
         let (mut a, mut b) = (self.mobility, rhs);
+        b[self.count..].fill(DoubleDouble::ZERO);
         for k in 0..self.count {
             let own = DoubleDouble::new(R::ONE).over(self.masses[k].mass_ratio);
             a[k][k] = a[k][k] + own;
