@@ -102,7 +102,14 @@ fn events<R: Real>(system: &Sliding<R>, start: &Start<R>, limits: &Limits<R>) ->
     let tally = simulate(system, start, limits, None, &mut seen).unwrap();
     let (Events { impacts, episodes }, Watch { events: mut found, released, .. }) = seen;
     for it in &episodes {
-        found.retain(|event| event.time < it.start_time || event.time > it.stick_time);
+        // The chatter begins with its first impact, or with the first one after a hold.
+        let within = |time: R| time >= it.start_time && time <= it.stick_time;
+        let holds = found.iter().filter(|event| event.kind != "turned" && within(event.time));
+        let held = holds.fold(it.start_time, |last, event| R::larger(last, event.time));
+        let mut times = impacts.iter().map(|it| it.time);
+        let begin = times.find(|time| *time >= held).unwrap_or(held);
+        let chatters = |event: &Event<R>| event.time >= begin && event.time <= it.stick_time;
+        found.retain(|event| event.kind != "turned" || !chatters(event));
     }
     for it in &impacts {
         let place =
