@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -114,6 +114,9 @@ bench-sweeps: target/bench/.installed ## compare sweeps with those of other inte
 
 bench-dynamics: target/bench/.installed ## compare orbits, branches, diagrams and basins with programs by hand
 	target/bench/bin/python benches/compare_dynamics.py
+
+bench-modes: target/bench/.installed ## compare five masses on 20 modes with MuJoCo and Siconos, where they are installed
+	target/bench/bin/python benches/compare_modes.py --python=python3
 
 # The other integrators have an environment of their own.
 target/bench/.installed: $(VENV)/.installed

@@ -1,4 +1,4 @@
-"""Five free masses on a structure with 20 modes: iva, MuJoCo and Siconos, one thread each.
+"""Five free masses on a structure with 20 modes: iva, MuJoCo and Siconos.
 
 Usage: compare_modes.py [--quick] [--python=PATH ...]
 
