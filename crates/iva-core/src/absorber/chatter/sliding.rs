@@ -167,7 +167,12 @@ mod tests {
             };
             let (coarse, estimate, share) = seen(1e-3);
             let (fine, _, finer) = seen(1e-4);
-            assert!(coarse.abs() <= estimate, "{q} {j} {k}: {coarse:e} beyond {estimate:e}");
+            // With constant pressures nothing but rounding of a sum of some 1e-2 is left.
+            let rounding = 1e-17;
+            assert!(
+                coarse.abs() <= estimate + rounding,
+                "{q} {j} {k}: {coarse:e} beyond {estimate:e}"
+            );
             let exact = coarse.abs() < 1e-15;
             assert!(
                 exact || (coarse / fine - 1000.0).abs() < 60.0,
