@@ -29,7 +29,7 @@
 //! Σ |φⱼ| √((qⱼ⁽ⁿ⁺¹⁾)² + ωⱼ²(qⱼ⁽ⁿ⁾)²) bounds the derivative n + 1 of u from an instant on; where modes exchange energy
 //! it is |φ| times the root of the whole energy of the n-th derivative.
 //!
-//! **Chatter** is summed where no other mass is stuck or can meet a wall before its end ([`Absorber::others_wait`]), and
+//! **Chatter** is summed where no other mass is stuck or can meet a wall before its end ([`others_wait`](crate::absorber::Absorber::others_wait)), and
 //! where it is so short that also the fastest mode does nothing to it that is not rounding. Elsewhere its impacts are
 //! computed one by one.
 //!
