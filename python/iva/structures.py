@@ -7,10 +7,10 @@ them. Study files have the same entries in their section ``[structure]``.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from os import PathLike
-from pathlib import Path
 
 from iva import _iva
 from iva.parameters import is_list, number, numbers, shown
@@ -199,7 +199,7 @@ class Structure:
         """
         import polars as pl
 
-        frame = pl.read_csv(Path(file))
+        frame = pl.read_csv(os.fspath(file))
         points = {
             name.removeprefix("shape_"): column(frame, name)
             for name in frame.columns

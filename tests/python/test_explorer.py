@@ -193,7 +193,7 @@ def test_explore_takes_runs_and_parts(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("study", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_scene_of_a_study_runs(study: Path) -> None:
-    if study.stem == "earthquake":
+    if study.stem in ("earthquake", "frame_two_storeys"):
         with pytest.raises(ValueError, match="one harmonic force"):
             of_study(study)
         return

@@ -261,7 +261,7 @@ REFUSED = [
         "start.angle = 0.3: it must lie between the stops",
     ),
     (FREE, "clearance = 1.4", 'clearance = 1\nangles = "small"', "7:10", PENDULUM_ONLY),
-    (FREE, "clearance = 1.4", "clearance = 1\ngravity = 9.8", "7:1", "give inclination too"),
+    (FREE, "clearance = 1.4", "clearance = 1\ngravity = 9.8", "7:1", "or friction too"),
     (FREE, "displacement = 1.0", "angle = 0.1", "8:9", PENDULUM_ONLY),
     (FREE, "displacement = 1.0", "angular_velocity = 0.1", "8:20", PENDULUM_ONLY),
     (FREE, "periods = 4", "periods = 4\n[sweep]\nlength = [1.0]", "12:1", PENDULUM_ONLY),
