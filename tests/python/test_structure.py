@@ -275,6 +275,11 @@ def test_bad_entries_are_refused(more: dict[str, Any], told: str) -> None:
         frame(**more)
 
 
+def test_frequencies_are_told_as_they_were_given() -> None:
+    with pytest.raises(ValueError, match=r"frequencies_hz\[1\] = -2: give a number greater than 0"):
+        iva.Structure(frequencies_hz=[1.0, -2.0], points={"a": [1.0, 1.0]})
+
+
 @pytest.mark.parametrize(
     ("absorber", "more", "told"),
     [

@@ -24,8 +24,8 @@ use crate::errors::invalid;
 use crate::record::PyRecord;
 
 /// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
-/// absorber comes before the other choices); under `"forces"` it has the list of forces, under `"structure"` the entries of a structure with several modes. The fields of several absorbers are
-/// `"part.number.field"`.
+/// absorber comes before the other choices); under `"forces"` it has the list of forces, under `"structure"` the entries of
+/// a structure with several modes. The fields of several absorbers are `"part.number.field"`.
 ///
 /// # Errors
 /// `ValueError` for an unknown field or a value out of range.

@@ -1,8 +1,8 @@
 //! Studies: reading them from TOML text, and running their sweeps into a folder.
 //!
 //! In the order of a sweep: [`study_file`] reads the text, with the place of every error in [`error`]
-//! (`value`, `axes`, [`sampling`], `forces`, `structure` and [`record_file`] read its sections, [`source`] keeps the places
-//! of keys, [`report`] holds the settings of the table of best points) → `named` gives file names to points
+//! (`value`, `axes`, [`sampling`], `forces`, `structure` and [`record_file`] read its sections, [`source`] keeps the
+//! places of keys, [`report`] holds the settings of the table of best points) → `named` gives file names to points
 //! and records made in a program, [`resolved`] writes the study with every default filled in → [`run_sweep`]
 //! runs it part by part into a folder of [`iva_store`]; `changes` lists differences from the study in a folder.
 //!

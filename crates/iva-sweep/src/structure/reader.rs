@@ -97,6 +97,12 @@ impl Reader<'_> {
         let frequencies = plain.or(hertz).ok_or_else(|| {
             Invalid::missing(path("frequencies"), "give those of all modes, in rad/s")
         })?;
+        let given = if in_hertz { "frequencies_hz" } else { "frequencies" };
+        let standing = frequencies.iter().enumerate().find(|(_, frequency)| **frequency <= 0.0);
+        if let Some((mode, frequency)) = standing {
+            let field = path(&format!("{given}[{mode}]"));
+            return Err(Invalid::new(field, number(*frequency), "give a number greater than 0"));
+        }
         let n = frequencies.len();
         let damping_ratios = match self.numbers("damping_ratios")? {
             None => vec![0.0; n],
