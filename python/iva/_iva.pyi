@@ -30,6 +30,7 @@ __all__ = [
     "larger_is_better",
     "lyapunov",
     "main",
+    "modes",
     "masri_caughey",
     "metadata",
     "on_slow_manifold",
