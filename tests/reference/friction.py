@@ -64,7 +64,7 @@ def value(row: list[Any], t: Any, order: int = 0) -> Any:
 
 
 def first_zero(row: list[Any], length: Any, known: int = 0) -> Any:
-    """Return the first zero of a polynomial that is positive at first, or None; `known` zeros at 0."""
+    """Return the first zero of a polynomial positive at first, of which `known` zeros are at 0."""
     row = row[known:]
     bound = sum(abs(row[n]) * n * (n - 1) * length ** (n - 2) for n in range(2, len(row)))
     t = mpf(0)
