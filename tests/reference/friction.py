@@ -199,9 +199,7 @@ class Scene:
             return True
         return event["kind"] == "impact" and abs(event["approach"]) > FLOOR
 
-    def rest(
-        self, x: list[Any], kind: str, s: int, length: Any
-    ) -> tuple[tuple[str, int], int]:
+    def rest(self, x: list[Any], kind: str, s: int, length: Any) -> tuple[tuple[str, int], int]:
         """Ride to the next event."""
         bend = [(n + 1) * (n + 2) * x[n + 2] for n in range(len(x) - 2)]
         bend[0] += self.n["G"]
