@@ -314,7 +314,7 @@ def simulate(
         `chatter_floor` nor `tolerance`.
     primary : Primary or Structure
         The primary system; what it is given decides the units. A structure with several modes has
-        free masses, or none, and neither `errors` nor reductions against the bare structure.
+        free masses, or none, and no reductions against the bare structure.
     start : Start
         The state at the begin, at time zero unless it says another instant: ``run.state_at(t)``
         goes on from another run. Lengths of a run count from there. Instants of results, settling

@@ -107,15 +107,7 @@ impl Designer<'_> {
     /// # Errors
     /// As [`Study::design`].
     pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
-        let mut design = self.place(point).and_then(|()| {
-            let rubs = self.spec.get(FieldId::Friction).is_some_and(|friction| friction != 0.0);
-            if self.study.errors && (rubs || self.spec.structure().is_some()) {
-                let rule = "none are estimated with friction, and on a structure with several modes; verify tells \
-                            the true ones";
-                return Err(Invalid::new("errors", true, rule));
-            }
-            self.spec.design()
-        });
+        let mut design = self.place(point).and_then(|()| self.spec.design());
         if let Err(error) = &mut design {
             // A missing field is missing at every point, so no point is named.
             if !(self.study.sampling.is_empty() || error.value.is_empty()) {

@@ -8,6 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 use crate::absorber::{Absorber, LawAt, Wall};
 
 mod coupled;
+pub(crate) mod masses;
 mod piva;
 mod siva;
 mod structure;

@@ -37,7 +37,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`.
+//! Impacts: `modal/impact_law.rs`. Dashpots in the gaps: `modal/dashpot.rs`.
 
 use std::sync::OnceLock;
 
@@ -55,11 +55,14 @@ pub use start::ModalStart;
 pub use state::{ModalState, Modes, Place};
 pub use structure::ModalStructure;
 
+use dashpot::Dashpot;
 use equations::Stuck;
 
 mod absorber;
+mod dashpot;
 mod equations;
 pub mod impact_law;
+mod linear;
 mod matrices;
 mod motion;
 mod on_structure;
@@ -95,6 +98,8 @@ pub struct Modal<H: Host, const N: usize = MOST> {
     host: H,
     /// φ·φ of the points of two masses: the velocity at one per impulse at the other.
     mobility: [[DoubleDouble<H::Real>; N]; N],
+    /// Of the masses that have a dashpot in their gap.
+    dashpots: [Option<Dashpot<H::Real>>; N],
     /// What a set of stuck masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
@@ -145,7 +150,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         let host = UndrivenHost::new(R::ZERO, R::ZERO);
         let unused = FreeMass::new(R::ONE, R::ONE, R::ONE)?;
         let all = std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass));
-        Ok(Self::on(host, structure, (all, at, count), [at[0]; 2]))
+        let none = std::array::from_fn(|_| None);
+        Ok(Self::on(host, structure, (all, at, count), none, [at[0]; 2]))
     }
 
     /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
@@ -166,7 +172,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         }
         let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
         let of = (self.masses, self.at, self.count);
-        Ok(Modal::on(host, self.structure.clone(), of, [self.seen, pushed]))
+        let points = [self.seen, pushed];
+        Ok(Modal::on(host, self.structure.clone(), of, self.dashpots.clone(), points))
     }
 }
 
@@ -175,13 +182,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         host: H,
         structure: ModalStructure<R>,
         (masses, at, count): ([FreeMass<R>; N], [usize; N], usize),
+        dashpots: [Option<Dashpot<R>>; N],
         [seen, pushed]: [usize; 2],
     ) -> Self {
-        let mobility = at.map(|k| at.map(|l| structure.mobility(k, l)));
+        let shapes: [&[R]; N] = std::array::from_fn(|k| match &dashpots[k] {
+            Some(dashpot) => dashpot.shape.as_slice(),
+            None => structure.shape(at[k]),
+        });
+        let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
         let stuck = (0..1_usize << count).map(|_| OnceLock::new()).collect();
         let drive = host.force().map_or(R::ZERO, Force::fastest);
         let reach = R::from(equations::LONGEST * R::STEP) / structure.growth().max(drive);
-        Self { structure, masses, at, count, seen, pushed, host, mobility, stuck, reach }
+        Self { structure, masses, at, count, seen, pushed, host, mobility, dashpots, stuck, reach }
     }
 
     /// The same system, of which a run sees the motion at another named point.
@@ -226,6 +238,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         self.structure.shape(self.at[k])
     }
 
+    /// The shape of the gap of a mass: that at its point, unless the mass is a coordinate of the structure.
+    fn gap_shape(&self, k: usize) -> &[R] {
+        self.dashpots[k].as_ref().map_or_else(|| self.shape(k), |dashpot| dashpot.shape.as_slice())
+    }
+
+    /// The shape of which the curve of a mass is made, and whether the acceleration of the base is part of it: that of the gap
+    /// in flight, that of the point which has to carry the mass while it is stuck.
+    fn followed(&self, k: usize, stuck: bool) -> (&[R], bool) {
+        if stuck { (self.shape(k), true) } else { (self.gap_shape(k), self.dashpots[k].is_none()) }
+    }
+
     /// The mass at hand, and its place in its gap.
     fn at_hand_of(&self, state: &ModalState<H, N>) -> (usize, &FreeMass<R>, Place<R>) {
         let k = self.index(state.at_hand.into());
@@ -243,6 +266,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn total(&self) -> R {
         self.masses().iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
     }
+}
+
+/// φ·φ of two shapes.
+fn mobility<R: Real>(one: &[R], other: &[R]) -> DoubleDouble<R> {
+    let both = one.iter().zip(other);
+    both.fold(DoubleDouble::ZERO, |sum, (a, b)| sum + DoubleDouble::new(*a).times(*b))
 }
 
 /// The wall with this sign.

@@ -24,7 +24,7 @@ use crate::absorber::siva::free_mass::check_place;
 use crate::absorber::{Absorber, Clock, Point, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
-use crate::host::oscillator::{Equation, Primary};
+use crate::host::oscillator::Primary;
 use crate::host::{DrivenHost, Host, HostState, Structure, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -161,11 +161,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         }
         let mass = || stuck().fold(R::ZERO, |sum, (k, _)| sum + self.masses[k].mass_ratio);
         self.carrying[set].get_or_init(|| Box::new(self.host.carrying(mass()))).loaded()
-    }
-
-    /// Spring, damper and mass of the structure with the masses that are stuck to it in a state.
-    pub(crate) fn equation(&self, state: &SeveralState<H, N>) -> &Equation<R> {
-        self.structure(&state.masses).equation()
     }
 
     /// ẋ, A with the masses that are stuck in a state, and the acceleration of the base.

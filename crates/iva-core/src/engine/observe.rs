@@ -130,6 +130,10 @@ pub trait Observer<S: Absorber> {
     fn stick(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
     /// A stuck absorber is released, by itself or by an impulse, and flies from an instant on.
     fn release(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
+    /// An absorber with friction has stopped in its gap at an instant, between these states.
+    fn stop(&mut self, _system: &S, _time: S::Real, _states: [&S::State; 2]) {}
+    /// An absorber that friction held slides off from an instant on.
+    fn slip(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
     /// An impulse from outside: the state after it, and its work (0 at a jump of the force).
     fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
     /// Of the impacts of an absorber from its own index `first` on, those with an approach speed of at most `floor` are
@@ -182,6 +186,12 @@ macro_rules! pointed_to {
             }
             fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
                 (**self).release(system, from);
+            }
+            fn stop(&mut self, system: &S, time: R, states: [&S::State; 2]) {
+                (**self).stop(system, time, states);
+            }
+            fn slip(&mut self, system: &S, from: &Instant<S::State, R>) {
+                (**self).slip(system, from);
             }
             fn impulse(&mut self, system: &S, state: &S::State, work: R) {
                 (**self).impulse(system, state, work);
@@ -247,6 +257,16 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.release(system, from);
         }
     }
+    fn stop(&mut self, system: &S, time: R, states: [&S::State; 2]) {
+        if let Some(observer) = self {
+            observer.stop(system, time, states);
+        }
+    }
+    fn slip(&mut self, system: &S, from: &Instant<S::State, R>) {
+        if let Some(observer) = self {
+            observer.slip(system, from);
+        }
+    }
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         if let Some(observer) = self {
             observer.impulse(system, state, work);
@@ -310,6 +330,14 @@ impl<R: Real, S: Absorber<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S>
     fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
         self.0.release(system, from);
         self.1.release(system, from);
+    }
+    fn stop(&mut self, system: &S, time: R, states: [&S::State; 2]) {
+        self.0.stop(system, time, states);
+        self.1.stop(system, time, states);
+    }
+    fn slip(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.0.slip(system, from);
+        self.1.slip(system, from);
     }
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.0.impulse(system, state, work);

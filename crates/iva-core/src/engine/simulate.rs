@@ -400,6 +400,10 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
         self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
+        if self.system.is_held(&before) && !self.system.is_held(&after) {
+            let from = Instant { time: self.progress.clock, state: after };
+            self.observer.slip(self.system, &from);
+        }
         self.tally.state = after;
         self.progress = self.progress.moved(true, self.progress.clock, R::INFINITY);
         if self.system.absorbers() > 1 {

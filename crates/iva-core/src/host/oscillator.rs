@@ -51,8 +51,11 @@ pub struct Equation<R = f64> {
 impl<R: Real> Equation<R> {
     /// The equation of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
     pub fn new(mass: R, damping_ratio: R) -> Self {
-        let stiffness = R::ONE / mass;
-        let damping = damping_ratio * 2.0 / mass;
+        Self::of(R::ONE / mass, damping_ratio * 2.0 / mass)
+    }
+
+    /// ẍ = −k x − c ẋ.
+    pub(crate) fn of(stiffness: R, damping: R) -> Self {
         let growth = damping * 0.5 + (damping * 0.25 * damping + stiffness).sqrt();
         let third = DoubleDouble::new(R::ONE).over(3.0);
         Self { stiffness, frequency: stiffness.sqrt(), damping, growth, third }

@@ -67,8 +67,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let (mut a, mut b) = (self.mobility, rhs);
         b[self.count..].fill(DoubleDouble::ZERO);
         for k in 0..self.count {
-            let own = DoubleDouble::new(R::ONE).over(self.masses[k].mass_ratio);
-            a[k][k] = a[k][k] + own;
+            a[k][k] = a[k][k] + self.lightness(k);
             for l in 0..self.count {
                 if l != k && !(included[k] && included[l]) {
                     a[k][l] = DoubleDouble::ZERO;
@@ -164,13 +163,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         if count > 0 {
             let mut load = [zero; MOST];
             for (load, k) in load.iter_mut().zip(&stuck.masses) {
-                let felt = self.shape(*k).iter().zip(&force);
-                *load = felt.fold(a, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
+                let felt = self.gap_shape(*k).iter().zip(&force);
+                let moved = if self.dashpots[*k].is_none() { a } else { zero };
+                *load = felt.fold(moved, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
             }
             for (i, k) in stuck.masses.iter().enumerate() {
                 let row = stuck.inverse[i * count..(i + 1) * count].iter().zip(&load);
                 let pull = row.fold(zero, |sum, (element, load)| T::of(*element) * *load + sum);
-                for (force, phi) in force.iter_mut().zip(self.shape(*k)) {
+                for (force, phi) in force.iter_mut().zip(self.gap_shape(*k)) {
                     *force = *force - pull * T::from_real(*phi);
                 }
             }
@@ -201,12 +201,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         }
     }
 
-    /// The displacement of a point beyond a uniform motion, absolute, from the series of all modes: ∬A.
+    /// The displacement of a shape beyond a uniform motion, with that of the base or without, from the series of all modes:
+    /// ∬A.
     #[inline(always)]
     pub(super) fn curved(
         &self,
         rows: &[Series<R>],
-        shape: &[R],
+        (shape, with_base): (&[R], bool),
         pushes: &impl Fn(usize) -> Pushed<R>,
         unit: R,
     ) -> Series<R> {
@@ -214,7 +215,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         for (row, phi) in rows.iter().zip(shape) {
             sum.add(row, *phi);
         }
-        if self.host.moves_base() {
+        if with_base && self.host.moves_base() {
             for m in 2..=ORDER {
                 let [_, a] = pushes(m - 2);
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
@@ -239,7 +240,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                     if k >= self.count {
                         return [R::ZERO; 4];
                     }
-                    let curved = self.curved(&rows, self.shape(k), &pushes, R::ONE);
+                    let followed = self.followed(k, state.places[k].stuck);
+                    let curved = self.curved(&rows, followed, &pushes, R::ONE);
                     [2, 3, 4, 5].map(|m| {
                         let factorial = [0.0, 0.0, 2.0, 6.0, 24.0, 120.0][m];
                         R::get(&curved, m) * factorial
@@ -258,7 +260,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         &self,
         (rows, unit): (&[Series<R>], R),
         stuck: &Stuck<R>,
-        shape: &[R],
+        (shape, with_base): (&[R], bool),
         n: usize,
         length: R,
     ) -> R {
@@ -289,7 +291,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         }
         if !separate {
             let mut dragged = R::ZERO;
-            for k in &stuck.masses {
+            for k in stuck.masses.iter().filter(|k| self.dashpots[**k].is_none()) {
                 let mass = self.masses[*k].mass_ratio;
                 let rate = self.shape(*k).iter().zip(&rates);
                 let rate = rate.fold(R::ZERO, |sum, (phi, rate)| sum + *phi * *rate);
@@ -299,7 +301,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let push = forced.sqrt() * f + (moved.sqrt() + dragged) * a;
             sum = shapes.sqrt() * (sum.sqrt() + length * push);
         }
-        let base = if n > 0 && self.host.moves_base() {
+        let base = if n > 0 && with_base && self.host.moves_base() {
             self.host.force().map_or(R::ZERO, |force| force.largest(n as i32 - 1)[1])
         } else {
             R::ZERO

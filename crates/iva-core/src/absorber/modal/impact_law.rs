@@ -28,7 +28,7 @@
 //! loop looks at each after the event. A mass that would be left behind for less than rounding of the clock is carried.
 
 use super::state::Place;
-use super::{Modal, ModalState, wall_of};
+use super::{Modal, ModalState, mobility, wall_of};
 use crate::absorber::chatter::is_nothing;
 use crate::absorber::impact::Impact;
 use crate::absorber::{ImpactLaw, LawAt, Wall};
@@ -129,13 +129,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
             let mut gained = self.pushed_by(k, &blow.impulses);
             if let Some(impulse) = outside {
-                gained = gained + impulse * self.structure.mobility(self.at[k], self.pushed);
+                gained = gained + impulse * self.pushed_at(k);
             }
             let [value, rest] = [gained.value, gained.rest].map(|part| place.side * part);
             place.rate = place.rate.plus_parts(value, rest);
         }
         for (k, impulse) in blow.impulses[..self.count].iter().enumerate() {
-            after.modes.push(self.shape(k), *impulse);
+            after.modes.push(self.gap_shape(k), *impulse);
         }
         if let Some(impulse) = outside {
             after.modes.push(self.structure.shape(self.pushed), impulse);
@@ -149,21 +149,30 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         state: &ModalState<H, N>,
         impulse: DoubleDouble<R>,
     ) -> ModalState<H, N> {
-        let outside = self.at.map(|at| impulse * self.structure.mobility(at, self.pushed));
+        let outside = std::array::from_fn(|k| impulse * self.pushed_at(k));
         let blow = self.blow(state, &[None; N], &outside, R::ZERO);
         let mut after = self.after(state, &blow, Some(impulse));
         self.refresh(&mut after);
         after
     }
 
+    /// The velocity in the gap of a mass per impulse from outside.
+    fn pushed_at(&self, k: usize) -> DoubleDouble<R> {
+        mobility(self.gap_shape(k), self.structure.shape(self.pushed))
+    }
+
     /// 1/(1/μ + φ·φ): what the impulse of an impact is, over (1 + e) w, where no mass is stuck.
     pub(super) fn reduced(&self, k: usize) -> R {
-        R::ONE / (R::ONE / self.masses[k].mass_ratio + self.mobility[k][k].value)
+        let lightness = match self.dashpots[k] {
+            Some(_) => R::ZERO,
+            None => R::ONE / self.masses[k].mass_ratio,
+        };
+        R::ONE / (lightness + self.mobility[k][k].value)
     }
 
     /// φᵀ D φ at the point of a mass: by how much an impulse raises the pressure there.
     fn stiffened(&self, k: usize) -> R {
-        self.structure.damped(self.shape(k))
+        self.structure.damped(self.gap_shape(k))
     }
 }
 
@@ -173,7 +182,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
         let k = self.index(absorber);
         let e = self.masses[k].law(R::from(wall.sign())).restitution;
         let impulse = (R::ONE + e) * self.reduced(k);
-        let gain = impulse * self.mobility[k][k].value;
+        let gain = impulse * mobility(self.shape(k), self.shape(k)).value;
         LawAt::constant(e, e, gain, impulse * self.stiffened(k))
     }
 

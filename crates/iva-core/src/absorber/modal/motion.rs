@@ -52,7 +52,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                     if k >= system.count {
                         return Series::ZERO;
                     }
-                    let mut curved = system.curved(&rows, system.shape(k), &pushes, unit);
+                    let followed = system.followed(k, from.places[k].stuck);
+                    let mut curved = system.curved(&rows, followed, &pushes, unit);
                     // At a release the acceleration is set to 0 without rounding.
                     if from.places[k].shaken[0] == 0.0 {
                         curved.set(2, DoubleDouble::ZERO);
@@ -72,7 +73,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     /// A bound on |A| at the point of a mass.
     pub(super) fn shaken(&self, k: usize) -> R {
         let of = (self.rows.as_slice(), self.unit);
-        self.system.bound(of, self.stuck, self.system.shape(k), 1, self.reach)
+        let followed = self.system.followed(k, self.from.places[k].stuck);
+        self.system.bound(of, self.stuck, followed, 1, self.reach)
     }
 
     /// The index of the absorber at hand.
@@ -172,6 +174,19 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         }
     }
 
+    /// Σ c ∫ ẏ² dh of the dashpots in the gaps.
+    fn lost_in_gaps(&self, rates: &[Row<R>], h: R) -> R {
+        let flying = (0..self.system.count).filter(|k| !self.from.places[*k].stuck);
+        let dashpots = flying.filter_map(|k| self.system.dashpots[k].as_ref());
+        dashpots.fold(R::ZERO, |sum, dashpot| {
+            let speed: Row<R> = std::array::from_fn(|m| {
+                let both = dashpot.shape.iter().zip(rates);
+                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
+            });
+            sum + dashpot.damping * self.integral(&speed, &speed, h)
+        })
+    }
+
     /// ∫ f φ_f·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁) dh: ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
     fn work(&self, rates: &[Row<R>], h: R) -> R {
         let system = self.system;
@@ -189,6 +204,10 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         }
         let mut momentum = seen(system.structure.participation().unwrap_or(&[]));
         for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
+            // A mass with a dashpot takes part as a coordinate of the structure.
+            if system.dashpots[k].is_some() {
+                continue;
+            }
             let moving = if place.stuck {
                 seen(system.shape(k))
             } else {
@@ -259,7 +278,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
-        (absorber < self.system.count).then(|| self.place(absorber, h).shaken[0])
+        if absorber >= self.system.count {
+            return None;
+        }
+        if self.system.dashpots[absorber].is_none() || self.from.places[absorber].stuck {
+            return Some(self.place(absorber, h).shaken[0]);
+        }
+        let (t, over) = (self.share(h), R::ONE / self.unit);
+        let bent = self.displacement(self.system.shape(absorber)).derivative::<2>(t).value;
+        Some(bent * over * over + horner(&self.base, t))
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
@@ -291,14 +318,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let (viscous, work) = R::dispatched(
+        let (viscous, gaps, work) = R::dispatched(
             #[inline(always)]
             || {
                 let rates = self.velocities();
-                (self.viscous(&rates, h), self.work(&rates, h))
+                (self.viscous(&rates, h), self.lost_in_gaps(&rates, h), self.work(&rates, h))
             },
         );
-        Losses { viscous, pivot: R::ZERO, work }
+        Losses { viscous: viscous - gaps, pivot: gaps, work }
     }
 
     fn square(&self, [from, to]: [R; 2]) -> R {
@@ -370,9 +397,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
     }
 
     fn fourth(&self) -> R {
-        let shape = self.system.shape(self.at_hand());
+        let followed = self.system.followed(self.at_hand(), self.is_stuck());
         let n = if self.is_stuck() { 5 } else { 3 };
-        self.system.bound((&self.rows, self.unit), self.stuck, shape, n, self.reach)
+        self.system.bound((&self.rows, self.unit), self.stuck, followed, n, self.reach)
     }
 
     fn magnitude(&self) -> R {

@@ -52,6 +52,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
             sum += (stiffness.value * (q * q) + v * v) * 0.5;
         }
         for (k, (mass, gap)) in self.masses().iter().zip(self.each_gap(state)).enumerate() {
+            // That of a mass with a dashpot is that of a coordinate.
+            if self.dashpots[k].is_some() {
+                continue;
+            }
             let [_, v] = state.modes.of_point(self.shape(k));
             let speed = v.value + gap.w;
             sum += mass.mass_ratio * 0.5 * (speed * speed);

@@ -49,7 +49,7 @@ impl<R: Real, const N: usize> ModalStart<R, N> {
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Checks a start.
     pub(super) fn check(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
-        let n = self.structure.count();
+        let n = self.own_modes();
         for (name, all) in [("displacement", &start.displacements), ("velocity", &start.velocities)]
         {
             for (j, value) in all.iter().enumerate() {
@@ -73,8 +73,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The first state.
     pub(super) fn first(&self, start: &ModalStart<R, N>, time: Clock<R>) -> ModalState<H, N> {
         let phase: Phase<H> = self.host.begin_at(time);
-        let places = start.displacements.map(DoubleDouble::new);
-        let velocities = start.velocities.map(DoubleDouble::new);
+        let mut places = start.displacements.map(DoubleDouble::new);
+        let mut velocities = start.velocities.map(DoubleDouble::new);
+        self.positions(&mut places, |k| start.gaps[k].y);
+        self.positions(&mut velocities, |k| start.gaps[k].w);
         let modes = Modes { places, velocities };
         let zero = DoubleDouble::ZERO;
         let side = R::ONE;

@@ -156,10 +156,33 @@ impl<R: Real> ModalStructure<R> {
         self.points.get(point).map_or(&[], |(_, shape)| shape.as_slice())
     }
 
-    /// φ·φ of two points.
-    pub(super) fn mobility(&self, one: usize, other: usize) -> DoubleDouble<R> {
-        let both = self.shape(one).iter().zip(self.shape(other));
-        both.fold(DoubleDouble::ZERO, |sum, (a, b)| sum + DoubleDouble::new(*a).times(*b))
+    /// The damping matrix of so many coordinates, of which those after the modes have none.
+    pub(super) fn extended_damping(&self, count: usize) -> Vec<R> {
+        let n = self.count();
+        let mut matrix = vec![R::ZERO; count * count];
+        for j in 0..n {
+            match &self.damping {
+                Damping::Separate(rates) => matrix[j * (count + 1)] = rates[j].value,
+                Damping::Full(full) => {
+                    matrix[j * count..j * count + n].copy_from_slice(&full[j * n..(j + 1) * n]);
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The same structure with further coordinates of frequency 0, which take part in the motion of its base as told, and this
+    /// damping matrix of all.
+    pub(super) fn extended(&self, damping: Vec<R>, participation: &[R]) -> Self {
+        let mut wider = self.clone();
+        let count = self.count() + participation.len();
+        wider.stiffness.resize(count, DoubleDouble::ZERO);
+        wider.damping = Damping::Full(damping);
+        wider.points.iter_mut().for_each(|(_, shape)| shape.resize(count, R::ZERO));
+        if let Some(all) = &mut wider.participation {
+            all.extend_from_slice(participation);
+        }
+        wider
     }
 
     /// φᵀ D φ of a shape.

@@ -3,7 +3,7 @@
 //! A slide is a flight that ends with a contact or with a stop. From a stop the absorber goes on one way or the other, or
 //! friction holds it until it slips off.
 
-use super::{Run, is_finite};
+use super::{Instant, Run, is_finite};
 use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::Observer;
 use crate::number::real::Real;
@@ -41,10 +41,12 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// Decides how an absorber goes on that has stopped in its gap.
     fn stop(&mut self) {
-        let (state, later) = self.system.stopped(&self.tally.state);
+        let before = self.tally.state;
+        let (state, later) = self.system.stopped(&before);
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
         self.tally.friction.stops += 1;
+        self.observer.stop(self.system, self.progress.clock.value, [&before, &state]);
         if self.system.is_held(&state) {
             self.tally.friction.holds += 1;
         } else if self.system.distance(&state).value == 0.0 {
@@ -93,6 +95,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
         self.tally.friction.time_held = self.tally.friction.time_held.plus(later);
+        self.observer.slip(system, &Instant { time: self.progress.clock, state });
         true
     }
 

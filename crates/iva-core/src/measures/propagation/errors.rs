@@ -2,14 +2,14 @@
 
 use nalgebra::{Matrix4, Vector4};
 
+use super::masses::Grown;
 use super::tangent::{released, saltation};
-use super::together::Grown;
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
 use crate::absorber::modal::Modal;
-use crate::absorber::several::{Several, SeveralState};
+use crate::absorber::several::Several;
 use crate::absorber::sliding::Sliding;
-use crate::absorber::{Point, Wall};
+use crate::absorber::{OnStructure, Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::host::Host;
@@ -76,8 +76,8 @@ pub struct Errors {
     plain: bool,
     /// True once the estimate has reached [`LOST`].
     lost: bool,
-    /// Those of several absorbers.
-    together: Option<Box<Grown>>,
+    /// Those of free masses on a linear structure.
+    masses: Option<Box<Grown>>,
     /// One estimate for each listed impact.
     pub impacts: Vec<TimeError>,
     condition: f64,
@@ -99,7 +99,7 @@ impl Default for Errors {
             tail: None,
             plain: false,
             lost: false,
-            together: None,
+            masses: None,
             impacts: Vec::new(),
             condition: 0.0,
             relative: 0.0,
@@ -313,61 +313,71 @@ impl Errors {
     }
 }
 
-impl<H: Host<Real = f64>> Observer<Several<H>> for Errors {
-    fn start(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>, _duration: f64) {
-        *self = Self { plain: self.plain, ..Self::default() };
-        self.together = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
-    }
+/// What a run of free masses on a linear structure tells.
+macro_rules! told_by_masses {
+    ($([$($host:tt)*] $system:ty),*) => {$(
+        impl<$($host)*> Observer<$system> for Errors {
+            fn start(&mut self, system: &$system, from: &Instant<StateOf<$system>>, _duration: f64) {
+                *self = Self { plain: self.plain, ..Self::default() };
+                self.masses = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
+            }
 
-    fn looks_within(&self) -> bool {
-        false
-    }
+            fn looks_within(&self) -> bool {
+                false
+            }
 
-    fn contact(&mut self, system: &Several<H>, contact: &Contact<'_, SeveralState<H>>) {
-        let (Some(grown), false) = (&mut self.together, self.lost) else { return };
-        let Contact { time, states, summed } = *contact;
-        if !summed {
-            (self.last, self.tail) = (grown.struck(system, time, states), None);
-            (self.lost, self.condition) = (grown.lost, grown.condition);
-        } else if self.tail.is_none() {
-            self.tail = Some(grown.of_tail(system, states[1]));
+            fn contact(&mut self, system: &$system, contact: &Contact<'_, StateOf<$system>>) {
+                let (Some(grown), false) = (&mut self.masses, self.lost) else { return };
+                let Contact { time, states, summed } = *contact;
+                if !summed {
+                    (self.last, self.tail) = (grown.struck(system, time, states), None);
+                    (self.lost, self.condition) = (grown.lost, grown.condition);
+                } else if self.tail.is_none() {
+                    self.tail = Some(grown.of_tail(system, states[1]));
+                }
+            }
+
+            fn stick(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.masses {
+                    grown.stick(system, &from.state);
+                }
+            }
+
+            fn release(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.masses {
+                    grown.release(system, from.time.value, &from.state);
+                }
+            }
+
+            fn stop(&mut self, system: &$system, time: f64, states: [&StateOf<$system>; 2]) {
+                if let Some(grown) = &mut self.masses {
+                    grown.stopped(system, time, states);
+                }
+            }
+
+            fn slip(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.masses {
+                    grown.slipped(system, from.time.value, &from.state);
+                }
+            }
+
+            fn impact(&mut self, _system: &$system, impact: &Impact) {
+                self.list(impact);
+            }
+
+            fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+                self.forget(absorber, first, floor);
+            }
         }
-    }
-
-    fn stick(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
-        if let Some(grown) = &mut self.together {
-            grown.stick(system, &from.state);
-        }
-    }
-
-    fn release(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
-        if let Some(grown) = &mut self.together {
-            grown.release(system, from.time.value, &from.state);
-        }
-    }
-
-    fn impact(&mut self, _system: &Several<H>, impact: &Impact) {
-        self.list(impact);
-    }
-
-    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
-        self.forget(absorber, first, floor);
-    }
+    )*};
 }
+told_by_masses!(
+    [H: Host<Real = f64>] Several<H>,
+    [H: Host<Real = f64>, const N: usize] Modal<H, N>,
+    [] Sliding
+);
 
-/// With friction nothing is estimated.
-impl Observer<Sliding> for Errors {
-    fn looks_within(&self) -> bool {
-        false
-    }
-}
-
-/// On a structure with several modes nothing is estimated; what a run is compared to is its twin in twice the precision.
-impl<H: Host<Real = f64>> Observer<Modal<H>> for Errors {
-    fn looks_within(&self) -> bool {
-        false
-    }
-}
+type StateOf<S> = <S as OnStructure>::State;
 
 impl<S: Differentiable> Observer<S> for Errors {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {

@@ -1,76 +1,65 @@
-//! How errors grow in a run of several free masses.
+//! How errors grow in a run of free masses on a linear structure: of several masses, of several modes, or with friction.
 //!
-//! The variables are x and ẋ of the structure, then y and ẏ of each mass. All masses fly in one motion of the structure, so the
-//! derivative of a motion is that of [`crate::absorber::siva`] for each of them; a stuck mass has y and ẏ of its own no
-//! more. Impacts at one instant are taken for one contact, which small errors do not divide.
+//! The variables are q and q̇ of the structure, then y and ẏ of each mass ([`crate::absorber::derivatives::masses`]). A mass
+//! that is carried along, stuck to a wall or held by friction, has no ẏ of its own; on a wall it has no y either. Impacts
+//! at one instant are taken for one contact, which small errors do not divide.
+//!
+//! Motions on several modes are summed with less rounding than the estimate has for them; it stands for that of the shapes and
+//! frequencies which they are made from.
+//!
+//! A stop in the gap is an event on ẏ = 0 as an impact is one on the distance, with the saltation matrix
+//! I + (f⁺ − f⁻) nᵀ/(nᵀ f⁻). At a slip, as at a release, the motion goes on smoothly.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::errors::{DEVIATIONS, GRAZING, LOST, ROUNDING, UNIT};
-use crate::absorber::derivatives::columns;
-use crate::absorber::several::{MOST, Several, SeveralState};
-use crate::absorber::{Absorber, ImpactLaw, OnStructure, Point, Wall};
-use crate::host::Host;
-
-/// Number of variables.
-const SIZE: usize = 2 + 2 * MOST;
-
-type Square = SMatrix<f64, SIZE, SIZE>;
-type Column = SVector<f64, SIZE>;
-
-/// The indices of y and ẏ of a mass.
-fn of(absorber: usize) -> [usize; 2] {
-    [2 + 2 * absorber, 3 + 2 * absorber]
-}
+use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
+use crate::absorber::{Point, Wall};
 
 /// The errors of a state, and its derivative.
 #[derive(Debug, Clone)]
 pub(super) struct Grown {
-    covariance: Square,
-    derivative: Square,
+    linear: LinearStructure,
+    covariance: DMatrix<f64>,
+    derivative: DMatrix<f64>,
     /// The instant of the last event, and the rates of all variables there.
-    begun: (f64, Column),
-    /// Which masses are stuck since then.
-    stuck: [bool; MOST],
+    begun: (f64, DVector<f64>),
+    /// Which masses are carried since then.
+    carried: Vec<bool>,
     /// The wall that each mass has met last.
-    walls: [Option<Wall>; MOST],
+    walls: Vec<Option<Wall>>,
     /// The length that a condition is relative to.
     unit: f64,
     pub condition: f64,
     /// The error of the instant of the last impact of each mass, and whether it is close to a grazing.
-    last: [(f64, bool); MOST],
+    last: Vec<(f64, bool)>,
     /// True once the estimate has reached [`LOST`].
     pub lost: bool,
 }
 
-/// Which masses are stuck in a state.
-fn stuck_in<H: Host<Real = f64>>(state: &SeveralState<H>) -> [bool; MOST] {
-    state.masses.map(|mass| mass.stuck)
-}
-
 impl Grown {
-    pub fn at<H: Host<Real = f64>>(
-        system: &Several<H>,
-        state: &SeveralState<H>,
-        time: f64,
-    ) -> Self {
+    pub fn at<S: LinearMasses>(system: &S, state: &S::State, time: f64) -> Self {
+        let linear = system.linear();
+        let (size, count) = (linear.variables(), linear.shapes.len());
+        let carried = system.carried(state, false);
         let x = system.primary(state).x.abs();
         Self {
-            covariance: Square::zeros(),
-            derivative: Square::identity(),
-            begun: (time, rates(system, state)),
-            stuck: stuck_in(state),
-            walls: [None; MOST],
+            covariance: DMatrix::zeros(size, size),
+            derivative: linear.begin(),
+            begun: (time, system.rates(state, &carried)),
+            carried,
+            walls: vec![None; count],
             unit: if x > 0.0 { x } else { system.clearance() },
             condition: 0.0,
-            last: [(0.0, false); MOST],
+            last: vec![(0.0, false); count],
             lost: false,
+            linear,
         }
     }
 
-    fn carry(&mut self, map: &Square) {
-        self.covariance = map * self.covariance * map.transpose();
-        self.derivative = map * self.derivative;
+    fn carry(&mut self, map: &DMatrix<f64>) {
+        self.covariance = map * &self.covariance * map.transpose();
+        self.derivative = map * &self.derivative;
     }
 
     /// Adds an independent error of this standard deviation to a variable.
@@ -82,80 +71,94 @@ impl Grown {
         self.covariance[(variable, variable)].sqrt()
     }
 
+    /// A motion begins at an instant in a state.
+    fn begin<S: LinearMasses>(&mut self, system: &S, time: f64, state: &S::State, sticks: bool) {
+        self.carried = system.carried(state, sticks);
+        self.begun = (time, system.rates(state, &self.carried));
+    }
+
     /// The motion since the last event ends at an instant, in a state.
-    pub fn turn<H: Host<Real = f64>>(
-        &mut self,
-        system: &Several<H>,
-        time: f64,
-        state: &SeveralState<H>,
-    ) {
-        let (begin, first) = self.begun;
-        let h = time - begin;
-        let mut moving = *state;
-        for (mass, stuck) in moving.masses.iter_mut().zip(self.stuck) {
-            mass.stuck = stuck;
-        }
-        let last = rates(system, &moving);
-        self.begun = (time, rates(system, state));
+    fn end<S: LinearMasses>(&mut self, system: &S, time: f64, state: &S::State) {
+        let h = time - self.begun.0;
         if h <= 0.0 || self.lost {
             return;
         }
-        self.carry(&flow(system, &moving, h));
+        let last = system.rates(state, &self.carried);
+        let fastest = self.begun.1.abs().sup(&last.abs());
+        self.carry(&self.linear.flow(&self.carried, h));
         // A long motion may be fastest in between, up to the root mean square of its velocity.
+        let n = self.linear.coordinates();
         let Point { x, v } = system.primary(state);
-        let most = (0.5 * (x * x + v * v)).sqrt();
-        let fastest = first.abs().sup(&last.abs());
-        let mut round = |variable: usize, change: usize| {
-            let between = (0.25 * h * fastest[change]).min(most);
-            self.add(variable, UNIT * ROUNDING * h * fastest[variable].max(between));
+        let whole = (0.5 * (x * x + v * v)).sqrt();
+        let most = |j: usize| {
+            let square = self.linear.stiffness[j].max(f64::MIN_POSITIVE);
+            let speed = (0.5 * (fastest[j].powi(2) + fastest[n + j].powi(2) / square)).sqrt();
+            if n == 1 { whole } else { speed }
         };
-        round(0, 1);
-        round(1, 0);
-        for absorber in (0..system.absorbers()).filter(|k| !moving.masses[*k].stuck) {
-            let [y, w] = of(absorber);
-            round(y, w);
-            round(w, 0);
+        let most = DVector::from_fn(n, |j, _| most(j));
+        let deviation = |fastest: f64, change: f64, most: f64| {
+            UNIT * ROUNDING * h * fastest.max((0.25 * h * change).min(most))
+        };
+        let mut deviations = vec![];
+        for j in 0..n {
+            let square = self.linear.stiffness[j];
+            let (speed, bend) = (fastest[j], fastest[n + j]);
+            deviations.push((j, deviation(speed, bend, most[j])));
+            deviations.push((n + j, deviation(bend, square * speed, square.sqrt() * most[j])));
+        }
+        for (k, shape) in self.linear.shapes.iter().enumerate().filter(|(k, _)| !self.carried[*k]) {
+            let [y, w] = self.linear.of(k);
+            let at_point = |of: &dyn Fn(usize) -> f64| {
+                shape.iter().enumerate().map(|(j, phi)| phi.abs() * of(j)).sum::<f64>()
+            };
+            let frequency = |j: usize| self.linear.stiffness[j].sqrt();
+            let change = at_point(&|j| self.linear.stiffness[j] * fastest[j]);
+            let [slow, fast] = [at_point(&|j| most[j]), at_point(&|j| frequency(j) * most[j])];
+            deviations.push((y, deviation(fastest[y], fastest[w], slow)));
+            deviations.push((w, deviation(fastest[w], change, fast)));
+        }
+        for (variable, deviation) in deviations {
+            self.add(variable, deviation);
         }
     }
 
     /// An impact at an instant between two states, of the absorber at hand and of all that touch their walls with it:
     /// the error of the instant for the one at hand, and whether it is close to a grazing.
-    pub fn struck<H: Host<Real = f64>>(
+    pub fn struck<S: LinearMasses>(
         &mut self,
-        system: &Several<H>,
+        system: &S,
         time: f64,
-        [before, after]: [&SeveralState<H>; 2],
+        [before, after]: [&S::State; 2],
     ) -> (f64, bool) {
         let at_hand = system.at_hand(before);
-        let struck: Vec<usize> = (0..system.absorbers())
+        let struck: Vec<usize> = (0..self.carried.len())
             .filter(|k| {
-                let mass = &before.masses[*k];
-                !mass.stuck && mass.distance.value == 0.0 && mass.rate.value < 0.0
+                let distance = system.distance(&system.turned_to(before, *k));
+                !self.carried[*k] && distance.value == 0.0 && distance.rate < 0.0
             })
             .collect();
         // All of one instant are taken at the first of them.
         if struck.first() == Some(&at_hand) {
-            self.turn(system, time, before);
+            self.end(system, time, before);
             for &absorber in &struck {
                 self.last[absorber] = self.met(system, before, absorber);
             }
             if !self.lost {
                 self.jump(system, &struck, [before, after]);
             }
-            self.begun = (time, rates(system, after));
-            self.stuck = stuck_in(after);
+            self.begin(system, time, after, false);
         }
         self.last[at_hand]
     }
 
     /// The error of the instant at which a mass meets its wall.
-    fn met<H: Host<Real = f64>>(
+    fn met<S: LinearMasses>(
         &mut self,
-        system: &Several<H>,
-        before: &SeveralState<H>,
+        system: &S,
+        before: &S::State,
         absorber: usize,
     ) -> (f64, bool) {
-        let [y, _] = of(absorber);
+        let [y, _] = self.linear.of(absorber);
         let seen = system.turned_to(before, absorber);
         let (wall, distance) = (system.wall(&seen), system.distance(&seen));
         let met = self.walls[absorber].replace(wall);
@@ -175,133 +178,140 @@ impl Grown {
     }
 
     /// Carries the errors through an impact of some masses, by the saltation matrix of the first of them.
-    fn jump<H: Host<Real = f64>>(
+    fn jump<S: LinearMasses>(
         &mut self,
-        system: &Several<H>,
+        system: &S,
         struck: &[usize],
-        [before, after]: [&SeveralState<H>; 2],
+        [before, after]: [&S::State; 2],
     ) {
         let Some(&first) = struck.first() else { return };
-        let masses = system.masses();
-        let together: f64 = (0..masses.len())
-            .filter(|k| struck.contains(k) || after.masses[*k].stuck)
-            .fold(1.0, |sum, k| sum + masses[k].mass_ratio);
-        let mut jump = Square::identity();
-        let left = |k: usize| before.masses[k].stuck && !after.masses[k].stuck;
-        for k in (0..masses.len()).filter(|k| left(*k)) {
-            let [_, w] = of(k);
+        let (linear, size) = (&self.linear, self.linear.variables());
+        let n = linear.coordinates();
+        let carried = system.carried(after, false);
+        let slopes: Vec<_> = struck
+            .iter()
+            .map(|&k| {
+                let seen = system.turned_to(before, k);
+                let approach = -system.distance(&seen).rate;
+                (k, system.law_of(k, system.wall(&seen), approach).slope)
+            })
+            .collect();
+        let mut jump = DMatrix::identity(size, size);
+        for k in (0..carried.len()).filter(|k| self.carried[*k] && !carried[*k]) {
+            let [_, w] = linear.of(k);
             jump[(w, w)] = 0.0;
         }
-        for &k in struck {
-            let [_, w] = of(k);
-            let seen = system.turned_to(before, k);
-            let slope = system.law_of(k, system.wall(&seen), -before.masses[k].rate.value).slope;
-            let share = masses[k].mass_ratio * (1.0 + slope) / together;
-            jump[(1, w)] = share;
-            jump[(w, w)] = -slope;
-            for j in (0..masses.len()).filter(|j| !struck.contains(j) && !after.masses[*j].stuck) {
-                jump[(of(j)[1], w)] = -share;
+        let blows = linear.blows(&slopes, &carried);
+        for ((k, slope), gained) in slopes.iter().zip(blows.column_iter()) {
+            let [_, w] = linear.of(*k);
+            jump.view_mut((n, w), (n, 1)).copy_from(&gained);
+            for j in (0..carried.len()).filter(|j| !carried[*j] && !struck.contains(j)) {
+                jump[(linear.of(j)[1], w)] = -linear.shapes[j].dot(&gained);
             }
+            jump[(w, w)] = -slope;
         }
-        let [f, f_after] = [before, after].map(|state| rates(system, state));
-        let [y, _] = of(first);
+        let f = system.rates(before, &self.carried);
+        let f_after = system.rates(after, &carried);
+        let [y, _] = linear.of(first);
+        let moved = (&f_after - &jump * &f) / f[y];
         let mut saltation = jump;
-        let moved = (f_after - jump * f) / f[y];
-        for (row, moved) in moved.iter().enumerate() {
-            saltation[(row, y)] += moved;
-        }
+        let mut column = saltation.column_mut(y);
+        column += moved;
+        let speeds = (0..n).chain(struck.iter().map(|k| linear.of(*k)[0]));
+        let rounded: Vec<_> = speeds
+            .map(|variable| {
+                let rate = if variable < n { variable + n } else { variable + 1 };
+                (rate, UNIT * ROUNDING * f_after[variable].abs())
+            })
+            .collect();
         self.carry(&saltation);
-        for variable in [0].into_iter().chain(struck.iter().map(|k| of(*k)[0])) {
-            self.add(variable + 1, UNIT * ROUNDING * f_after[variable].abs());
+        for (variable, deviation) in rounded {
+            self.add(variable, deviation);
         }
     }
 
     /// The absorber at hand sticks. Stick follows an impact at once: the duration of a summed tail is part of the ride.
-    pub fn stick<H: Host<Real = f64>>(&mut self, system: &Several<H>, state: &SeveralState<H>) {
+    pub fn stick<S: LinearMasses>(&mut self, system: &S, state: &S::State) {
         let at_hand = system.at_hand(state);
-        let masses = system.masses();
-        let with = (0..masses.len()).filter(|k| *k == at_hand || state.masses[*k].stuck);
-        let together = with.fold(1.0, |sum, k| sum + masses[k].mass_ratio);
-        let share = masses[at_hand].mass_ratio / together;
-        let damping = system.equation(state).damping;
-        let [y, w] = of(at_hand);
-        let mut map = Square::identity();
-        (map[(0, y)], map[(1, w)], map[(1, y)]) = (share, share, -share * damping);
-        for k in (0..masses.len()).filter(|k| *k != at_hand && !state.masses[*k].stuck) {
-            let [place, rate] = of(k);
-            (map[(place, y)], map[(rate, w)]) = (-share, -share);
-            map[(rate, y)] = share * damping;
+        let carried = system.carried(state, true);
+        let (linear, size) = (&self.linear, self.linear.variables());
+        let n = linear.coordinates();
+        let [share, damped] = linear.stick(at_hand, &carried);
+        let [y, w] = linear.of(at_hand);
+        let mut map = DMatrix::identity(size, size);
+        map.view_mut((0, y), (n, 1)).copy_from(&share);
+        map.view_mut((n, w), (n, 1)).copy_from(&share);
+        map.view_mut((n, y), (n, 1)).copy_from(&damped);
+        for k in (0..carried.len()).filter(|k| !carried[*k]) {
+            let [place, rate] = linear.of(k);
+            let moved = -linear.shapes[k].dot(&share);
+            (map[(place, y)], map[(rate, w)]) = (moved, moved);
+            map[(rate, y)] = -linear.shapes[k].dot(&damped);
         }
         (map[(y, y)], map[(w, w)]) = (0.0, 0.0);
         self.carry(&map);
-        self.stuck = stuck_in(state);
-        self.begun.1 = rates(system, state);
+        self.begin(system, self.begun.0, state, true);
     }
 
     /// Masses that were stuck are free from an instant on: each begins at rest on its wall.
-    pub fn release<H: Host<Real = f64>>(
-        &mut self,
-        system: &Several<H>,
-        time: f64,
-        state: &SeveralState<H>,
-    ) {
-        self.turn(system, time, state);
-        let mut map = Square::identity();
-        for k in (0..system.absorbers()).filter(|k| self.stuck[*k] && !state.masses[*k].stuck) {
-            for variable in of(k) {
+    pub fn release<S: LinearMasses>(&mut self, system: &S, time: f64, state: &S::State) {
+        self.end(system, time, state);
+        let freed = system.carried(state, false);
+        let mut map = DMatrix::identity(self.linear.variables(), self.linear.variables());
+        for k in (0..freed.len()).filter(|k| self.carried[*k] && !freed[*k]) {
+            for variable in self.linear.of(k) {
                 map[(variable, variable)] = 0.0;
             }
         }
         self.carry(&map);
-        self.stuck = stuck_in(state);
+        self.begin(system, time, state, false);
+    }
+
+    /// A mass has stopped in its gap at an instant, between these states.
+    pub fn stopped<S: LinearMasses>(
+        &mut self,
+        system: &S,
+        time: f64,
+        [before, after]: [&S::State; 2],
+    ) {
+        self.end(system, time, before);
+        let [_, w] = self.linear.of(system.at_hand(before));
+        let f = system.rates(before, &self.carried);
+        self.begin(system, time, after, false);
+        if self.lost {
+            return;
+        }
+        let size = self.linear.variables();
+        let mut saltation = DMatrix::identity(size, size);
+        let mut column = saltation.column_mut(w);
+        column += (&self.begun.1 - &f) / f[w];
+        self.carry(&saltation);
+    }
+
+    /// A mass that friction held slides off from an instant on.
+    pub fn slipped<S: LinearMasses>(&mut self, system: &S, time: f64, state: &S::State) {
+        self.end(system, time, state);
+        self.begin(system, time, state, false);
     }
 
     /// The error of all further rebounds of a chatter of the absorber at hand after its last impact, from this state: their
-    /// times add up to T = 2u/(A(1 − e)).
-    pub fn of_tail<H: Host<Real = f64>>(
-        &self,
-        system: &Several<H>,
-        after: &SeveralState<H>,
-    ) -> f64 {
-        let at_hand = system.at_hand(after);
-        let [_, w] = of(at_hand);
+    /// times add up to T, which is inversely proportional to the pressure on the wall.
+    pub fn of_tail<S: LinearMasses>(&self, system: &S, after: &S::State) -> f64 {
+        let (at_hand, linear) = (system.at_hand(after), &self.linear);
+        let [_, w] = linear.of(at_hand);
         let leave = system.distance(after);
-        let left = 1.0 - system.law_of(at_hand, system.wall(after), leave.rate).rebound;
-        let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
         let speed = self.deviation(w) / leave.rate;
-        let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
-        let more = DEVIATIONS * whole * (speed + pressure);
+        let n = linear.coordinates();
+        let pressure: f64 = linear.shapes[at_hand]
+            .iter()
+            .enumerate()
+            .map(|(j, phi)| {
+                let square = linear.stiffness[j];
+                phi.abs() * (square * self.deviation(j) + square.sqrt() * self.deviation(n + j))
+            })
+            .sum();
+        let pressure = pressure / leave.curvature.abs();
+        let more = DEVIATIONS * system.tail(after) * (speed + pressure);
         self.last[at_hand].0 + if more.is_finite() { more } else { 0.0 }
     }
-}
-
-/// The rates of all variables in a state.
-fn rates<H: Host<Real = f64>>(system: &Several<H>, state: &SeveralState<H>) -> Column {
-    let [v, a, base] = system.motion_of(state);
-    let mut rates = Column::zeros();
-    (rates[0], rates[1]) = (v, a - base);
-    for (absorber, gap) in system.gaps(state).enumerate() {
-        if !state.masses[absorber].stuck {
-            let [y, w] = of(absorber);
-            (rates[y], rates[w]) = (gap.w, -a);
-        }
-    }
-    rates
-}
-
-/// The derivative of a motion of length h, with the masses stuck that are so in a state.
-fn flow<H: Host<Real = f64>>(system: &Several<H>, state: &SeveralState<H>, h: f64) -> Square {
-    let [[xx, vx], [xv, vv]] = columns(system.equation(state), h);
-    let mut flow = Square::identity();
-    (flow[(0, 0)], flow[(0, 1)], flow[(1, 0)], flow[(1, 1)]) = (xx, xv, vx, vv);
-    for absorber in 0..system.absorbers() {
-        let [y, w] = of(absorber);
-        if state.masses[absorber].stuck {
-            flow[(w, w)] = 0.0;
-            continue;
-        }
-        (flow[(y, 0)], flow[(y, 1)], flow[(y, w)]) = (1.0 - xx, h - xv, h);
-        (flow[(w, 0)], flow[(w, 1)]) = (-vx, 1.0 - vv);
-    }
-    flow
 }

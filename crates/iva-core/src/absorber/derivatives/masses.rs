@@ -1,0 +1,236 @@
+//! Derivatives of the motion of free masses on a linear structure, of any number and at any points of it.
+//!
+//! With the shapes φ at the points of the masses and those of a set S carried along, the coordinates q of the structure obey
+//!
+//! ```text
+//! M′q̈ + D q̇ + ω²q = forces,    M′ = I + Σ_S μ φφᵀ,
+//! ```
+//!
+//! where friction of a mass that slides one way is a constant force. A small difference of a state is one of q and q̇, then
+//! of y and ẏ of each mass. A structure that moves as one has a single coordinate, x, and φ = 1.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::columns;
+use crate::absorber::several::Several;
+use crate::absorber::sliding::Sliding;
+use crate::absorber::{Absorber, ImpactLaw as _, OnStructure as _};
+use crate::host::oscillator::Equation;
+use crate::host::{Host, Structure as _};
+
+/// The linear structure and the masses on it.
+#[derive(Debug, Clone)]
+pub struct LinearStructure {
+    /// ω² of each coordinate.
+    pub stiffness: DVector<f64>,
+    /// D.
+    pub damping: DMatrix<f64>,
+    /// φ at the point of each mass.
+    pub shapes: Vec<DVector<f64>>,
+    /// 1/μ of each mass; 0 of one that is a coordinate of the structure.
+    pub lightness: Vec<f64>,
+    /// The masses that are coordinates of the structure, √μ (φq + y), and the indices of these.
+    pub as_coordinates: Vec<(usize, usize)>,
+}
+
+/// Free masses on a linear structure, whose motion can be differentiated.
+pub trait LinearMasses: Absorber<Real = f64> {
+    /// What small differences obey.
+    fn linear(&self) -> LinearStructure;
+    /// Which masses the structure carries along in a state; `sticks`: the absorber at hand has come to rest on its wall.
+    fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
+    /// q̇, then q̈, then ẏ and ÿ of each mass, while these masses are carried.
+    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
+    /// How long the rebounds of the chatter of the absorber at hand last that begin in a state, by the first of them.
+    fn tail(&self, after: &Self::State) -> f64 {
+        let leave = self.distance(after);
+        let rebound = self.law_of(self.at_hand(after), self.wall(after), leave.rate).rebound;
+        2.0 * leave.rate / (leave.curvature.abs() * (1.0 - rebound))
+    }
+}
+
+impl LinearStructure {
+    /// A structure that moves as one, with masses on it.
+    fn moving_as_one(damping_ratio: f64, mass_ratios: Vec<f64>) -> Self {
+        Self {
+            stiffness: DVector::repeat(1, 1.0),
+            damping: DMatrix::repeat(1, 1, 2.0 * damping_ratio),
+            shapes: vec![DVector::repeat(1, 1.0); mass_ratios.len()],
+            lightness: mass_ratios.iter().map(|ratio| 1.0 / ratio).collect(),
+            as_coordinates: vec![],
+        }
+    }
+
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.stiffness.len()
+    }
+
+    /// Number of variables of a difference.
+    pub fn variables(&self) -> usize {
+        2 * (self.coordinates() + self.shapes.len())
+    }
+
+    /// The indices of y and ẏ of a mass.
+    pub fn of(&self, mass: usize) -> [usize; 2] {
+        let y = 2 * (self.coordinates() + mass);
+        [y, y + 1]
+    }
+
+    /// The derivative of all variables with respect to q, q̇, y and ẏ at the begin, of which coordinates that are masses follow.
+    pub fn begin(&self) -> DMatrix<f64> {
+        let mut begin = DMatrix::identity(self.variables(), self.variables());
+        for (mass, coordinate) in &self.as_coordinates {
+            let shape = &self.shapes[*mass];
+            let root = -1.0 / shape[*coordinate];
+            for (row, gap) in [0, self.coordinates()].into_iter().zip(self.of(*mass)) {
+                let follows = row + coordinate;
+                for (j, phi) in shape.iter().enumerate() {
+                    begin[(follows, row + j)] = if j == *coordinate { 0.0 } else { root * phi };
+                }
+                begin[(follows, gap)] = root;
+            }
+        }
+        begin
+    }
+
+    /// The inverse of M′, by adding one mass after another (J. Sherman and W. J. Morrison, Ann. Math. Stat. 21, 1950).
+    fn compliance(&self, carried: &[bool]) -> DMatrix<f64> {
+        let n = self.coordinates();
+        let mut inverse = DMatrix::identity(n, n);
+        for k in (0..carried.len()).filter(|k| carried[*k]) {
+            let pushed = &inverse * &self.shapes[k];
+            let share = self.lightness[k] + self.shapes[k].dot(&pushed);
+            inverse -= &pushed * pushed.transpose() / share;
+        }
+        inverse
+    }
+
+    /// The derivative of a motion of length h in which these masses are carried.
+    pub fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
+        let n = self.coordinates();
+        let structure = self.flow_of_structure(carried, h);
+        let mut flow = DMatrix::identity(self.variables(), self.variables());
+        flow.view_mut((0, 0), (2 * n, 2 * n)).copy_from(&structure);
+        for (k, shape) in self.shapes.iter().enumerate() {
+            let [y, w] = self.of(k);
+            if carried[k] {
+                flow[(w, w)] = 0.0;
+                continue;
+            }
+            // y + φq moves uniformly.
+            let [moved, gained] = [0, n].map(|row| shape.transpose() * structure.rows(row, n));
+            for j in 0..n {
+                (flow[(y, j)], flow[(y, n + j)]) =
+                    (shape[j] - moved[j], h * shape[j] - moved[n + j]);
+                (flow[(w, j)], flow[(w, n + j)]) = (-gained[j], shape[j] - gained[n + j]);
+            }
+            flow[(y, w)] = h;
+        }
+        flow
+    }
+
+    /// The derivative of (q, q̇) after a time h.
+    fn flow_of_structure(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
+        let n = self.coordinates();
+        let compliance = self.compliance(carried);
+        if n == 1 {
+            let [stiffness, damping] =
+                [self.stiffness[0], self.damping[(0, 0)]].map(|it| it * compliance[(0, 0)]);
+            let [[xx, vx], [xv, vv]] = columns(&Equation::of(stiffness, damping), h);
+            return DMatrix::from_row_slice(2, 2, &[xx, xv, vx, vv]);
+        }
+        let mut equation = DMatrix::zeros(2 * n, 2 * n);
+        equation.view_mut((0, n), (n, n)).fill_with_identity();
+        let stiffness = DMatrix::from_diagonal(&self.stiffness);
+        equation.view_mut((n, 0), (n, n)).copy_from(&(&compliance * -stiffness));
+        equation.view_mut((n, n), (n, n)).copy_from(&(&compliance * -&self.damping));
+        (equation * h).exp()
+    }
+
+    /// What q̇ gains by impulses at the points of some masses that change their gap velocities by −(1 + slope) per unit of the
+    /// gap velocity of each of these, column by column, while these others are carried.
+    pub fn blows(&self, struck: &[(usize, f64)], carried: &[bool]) -> DMatrix<f64> {
+        // The impulses on the masses that have an impact, with the carried ones as part of the structure.
+        let compliance = self.compliance(carried);
+        let count = struck.len();
+        let pushed: Vec<_> = struck.iter().map(|(k, _)| &compliance * &self.shapes[*k]).collect();
+        let mut matrix =
+            DMatrix::from_fn(count, count, |i, j| self.shapes[struck[i].0].dot(&pushed[j]));
+        for (i, (k, _)) in struck.iter().enumerate() {
+            matrix[(i, i)] += self.lightness[*k];
+        }
+        let changes = DMatrix::from_diagonal(&DVector::from_iterator(
+            count,
+            struck.iter().map(|(_, slope)| 1.0 + slope),
+        ));
+        // Positive definite.
+        let impulses = matrix.cholesky().map_or_else(|| changes.clone(), |it| it.solve(&changes));
+        DMatrix::from_columns(&pushed) * impulses
+    }
+
+    /// What q gains per y of a mass that comes to rest on its wall, as if it were moved there, and what q̇ gains per y by the
+    /// dampers on the way; `carried` with that mass.
+    pub fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
+        let others: Vec<bool> =
+            carried.iter().enumerate().map(|(k, it)| *it && k != mass).collect();
+        let pushed = self.compliance(&others) * &self.shapes[mass];
+        let share = &pushed / (self.lightness[mass] + self.shapes[mass].dot(&pushed));
+        let damped = self.compliance(carried) * (&self.damping * &share);
+        [share, -damped]
+    }
+}
+
+impl<H: Host<Real = f64>> LinearMasses for Several<H> {
+    fn linear(&self) -> LinearStructure {
+        let mass_ratios = self.masses().iter().map(|mass| mass.mass_ratio).collect();
+        LinearStructure::moving_as_one(self.damping_ratio(), mass_ratios)
+    }
+
+    fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
+        state.masses[..self.absorbers()].iter().map(|mass| mass.stuck).collect()
+    }
+
+    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
+        let mut moving = *state;
+        for (mass, carried) in moving.masses.iter_mut().zip(carried) {
+            mass.stuck = *carried;
+        }
+        let [v, a, base] = self.motion_of(&moving);
+        let gaps = self
+            .gaps(state)
+            .zip(carried)
+            .flat_map(|(gap, carried)| if *carried { [0.0; 2] } else { [gap.w, -a] });
+        DVector::from_iterator(2 + 2 * carried.len(), [v, a - base].into_iter().chain(gaps))
+    }
+}
+
+impl LinearMasses for Sliding {
+    fn linear(&self) -> LinearStructure {
+        LinearStructure::moving_as_one(self.level.host.damping_ratio(), vec![self.mass_ratio()])
+    }
+
+    fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool> {
+        vec![sticks || state.is_held()]
+    }
+
+    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
+        let host = &self.going(state.direction).host;
+        let (primary, phase) = (&state.seen.host.primary, &state.seen.host.phase);
+        let structure = if carried[0] { host.loaded() } else { host.free() };
+        let a = structure.acceleration(phase, primary).value;
+        let [base, ..] = structure.base(phase);
+        let gap = if carried[0] { [0.0; 2] } else { [state.seen.gap_velocity(), -a] };
+        DVector::from_column_slice(&[primary.v.value, a - base, gap[0], gap[1]])
+    }
+
+    /// The way back takes 1/q times as long as the way out, q = √((A − R)/(A + R)).
+    fn tail(&self, after: &Self::State) -> f64 {
+        let leave = self.distance(after);
+        let rebound = self.law_at(self.wall(after), leave.rate).rebound;
+        let out = leave.rate / leave.curvature.abs();
+        let slower =
+            self.back(after).map_or(1.0, |back| (back.pressure / leave.curvature.abs()).sqrt());
+        out * (1.0 + 1.0 / slower) / (1.0 - rebound * slower)
+    }
+}

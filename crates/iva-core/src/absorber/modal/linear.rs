@@ -1,0 +1,64 @@
+//! A structure with modes, as small differences see it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Modal;
+use super::series::Term as _;
+use super::structure::Damping;
+use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
+use crate::host::Host;
+
+impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
+    fn linear(&self) -> LinearStructure {
+        let n = self.structure.count();
+        let stiffness = self.structure.stiffness.iter().map(|square| square.value);
+        let damping = match &self.structure.damping {
+            Damping::Separate(rates) => {
+                let rates = rates.iter().map(|rate| rate.value);
+                DMatrix::from_diagonal(&DVector::from_iterator(n, rates))
+            }
+            Damping::Full(matrix) => DMatrix::from_row_slice(n, n, matrix),
+        };
+        LinearStructure {
+            stiffness: DVector::from_iterator(n, stiffness),
+            damping,
+            shapes: (0..self.count)
+                .map(|k| DVector::from_column_slice(self.gap_shape(k)))
+                .collect(),
+            lightness: (0..self.count).map(|k| self.lightness(k).value).collect(),
+            as_coordinates: (0..self.count)
+                .filter_map(|k| Some((k, self.dashpots[k].as_ref()?.coordinate)))
+                .collect(),
+        }
+    }
+
+    fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
+        state.places[..self.count].iter().map(|place| place.stuck).collect()
+    }
+
+    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
+        let mut places = state.places;
+        for (place, carried) in places.iter_mut().zip(carried) {
+            place.stuck = *carried;
+        }
+        let pushes = self.pushes(&state.phase, 1.0);
+        let [_, base] = pushes(0);
+        let rows = self.series(&state.modes, self.stuck_in(&places), &pushes, 1.0, 2);
+        let n = rows.len();
+        let mut rates = DVector::zeros(2 * (n + self.count));
+        for (j, row) in rows.iter().enumerate() {
+            rates[j] = state.modes.velocities[j].value;
+            rates[n + j] = 2.0 * f64::get(row, 2);
+        }
+        for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
+            let (shape, with_base) = self.followed(k, false);
+            let moved = if with_base { base.value } else { 0.0 };
+            let a = shape
+                .iter()
+                .enumerate()
+                .fold(moved, |sum, (j, phi)| phi.mul_add(rates[n + j], sum));
+            (rates[2 * (n + k)], rates[2 * (n + k) + 1]) = (gap.w, -a);
+        }
+        rates
+    }
+}
