@@ -325,6 +325,12 @@ class Siva(Part):
     friction : float, optional
         Coefficient k ≥ 0 of Coulomb friction between the mass and its way, 0 by default: its slides
         are decelerated by k g cos α, and it is held where that is enough.
+    gap_damping : float, optional
+        Constant c ≥ 0 in N s/m of a linear dashpot between the mass and the structure, 0 by
+        default; of all units together.
+    gap_damping_ratio : float, optional
+        The same as c/(2 M ωn), the damping ratio that it would give the structure beside a mass at
+        rest.
     inclination : float, optional
         Angle in rad by which the line of motion rises, from 0 (level, the default) to π/2
         (upright).
@@ -370,6 +376,8 @@ class Siva(Part):
     units: float | None = None
     clearance_spread: float | None = None
     friction: float | None = None
+    gap_damping: float | None = None
+    gap_damping_ratio: float | None = None
     inclination: float | None = None
     inclination_deg: float | None = None
     gravity: float | None = None

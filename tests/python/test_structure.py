@@ -183,7 +183,9 @@ def test_two_absorbers_at_two_points() -> None:
     """
     structure = frame(absorber_at=["first", "top"], seen_at="first")
     run = iva.simulate([SIVA, SIVA], structure, start=START, periods=4, verify=True, errors=True)
-    assert (run.verification.impacts["time"].abs() <= run.impacts["time_error"]).all()
+    # The rounding to seconds is not that of the run.
+    rounded = run.impacts["time_error"] + 3e-16 * run.impacts["time"]
+    assert (run.verification.impacts["time"].abs() <= rounded).all()
     assert 10 < run.summary["digits"].item() <= 16
     assert (
         run.verification.findings["rows"].to_list() == run.verification.findings["alike"].to_list()

@@ -108,7 +108,7 @@ pub struct MeasureValues<R = f64> {
     pub energy_initial: R,
     /// Σ ∫ 2ζ ẋ² dt.
     pub energy_viscous: R,
-    /// Energy lost by the damping of a pendulum's pivot, an integral; 0 for a free mass.
+    /// Energy lost by the damping of a pendulum's pivot or by dashpots in gaps, an integral; else 0.
     pub energy_pivot: R,
     /// Energy lost in friction in the gap, μ R times the way slid and that of summed chatters; 0 without friction.
     pub energy_friction: R,

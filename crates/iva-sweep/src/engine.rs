@@ -6,6 +6,7 @@
 //! in doubles, by [`crate::verify`] in numbers of twice the precision, and by [`crate::gradients`] in numbers
 //! with derivatives.
 
+pub(crate) mod dashpot;
 pub mod design;
 pub(crate) mod ended;
 pub(crate) mod forces;

@@ -273,6 +273,8 @@ fields! {
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity" Siva;
+    GapDamping: Absorber "gap_damping" Damping NonNegative "gap_damping" "constant c of a linear dashpot between mass and structure, of all units together (default 0); needs a primary mass" Siva;
+    GapDampingRatio: Absorber "gap_damping_ratio" Ratio NonNegative "gap_damping" "the same as c / (2 M ωn): the damping ratio that it would give a primary beside a mass at rest" Siva;
     Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
     InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "angle by which the line of motion rises, in degrees: 90 upright" Siva;
     Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination or friction" Siva Piva;

@@ -8,7 +8,7 @@ use crate::choices::{Kind, only};
 use crate::design::Spec;
 use crate::engine::given::Given;
 use crate::engine::pendulum::Common;
-use crate::engine::{forces, free_mass};
+use crate::engine::{dashpot, forces, free_mass};
 use crate::fields::FieldId;
 use crate::units::Scale;
 
@@ -35,6 +35,10 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
         let (field, angle) = given.unwrap_or((FieldId::Inclination, 0.0));
         let rule = "the theory is of a level motion without friction; leave it out";
         return Err(Invalid::new(field.path(), number(angle), rule));
+    }
+    if let Some((path, value)) = dashpot::given(&given) {
+        let rule = "the theory is of a mass without dashpot; leave it out";
+        return Err(Invalid::new(path, number(value), rule));
     }
     let common = given.common(&scale, units)?;
     let same = spec.get(FieldId::Restitution);

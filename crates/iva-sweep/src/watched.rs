@@ -46,11 +46,12 @@ pub struct Watched {
 }
 
 /// What a scene that [`takes`] refuses is to be told.
-pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction nor tolerance";
+pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a dashpot nor tolerance";
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {
-    let single = design.scene.count() <= 1 && !design.scene.has_modes() && !design.scene.rubs();
+    let scene = &design.scene;
+    let single = scene.count() <= 1 && !(scene.has_modes() || scene.rubs() || scene.has_dashpots());
     single
         && design.tier != Tier::Fast
         && design.scene.force().is_none_or(|force| force.is_single())

@@ -8,7 +8,13 @@ use iva_sweep::units::UnitSystem;
 use crate::json::{self, list, object, text};
 
 /// Fields of scenes that are not simulated here.
-const ELSEWHERE: [FieldId; 3] = [FieldId::Units, FieldId::ClearanceSpread, FieldId::Friction];
+const ELSEWHERE: [FieldId; 5] = [
+    FieldId::Units,
+    FieldId::ClearanceSpread,
+    FieldId::Friction,
+    FieldId::GapDamping,
+    FieldId::GapDampingRatio,
+];
 
 /// All fields, choices and measures.
 pub fn described() -> String {

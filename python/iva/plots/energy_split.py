@@ -32,6 +32,7 @@ COLOURS = {
     "impacts": VERMILLION,
     "pivot": PURPLE,
     "friction": GREEN,
+    "dashpot": PURPLE,
 }
 
 #: Of runs in SI units that give no other, in m/s².
@@ -51,7 +52,7 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
 
     From below: structure (kinetic, and of its spring), absorber (kinetic, and in gravity, where it
     is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in
-    steps), and in a pendulum's pivot or in friction. In free decay everything is relative to the
+    steps), and in a pendulum's pivot, in friction or in a dashpot in the gap. In free decay everything is relative to the
     initial energy and fills the height up to 1. Under forces energies are drawn in their unit, and
     the upper edge is the initial energy plus the work done so far. Without absorber there are
     structure and damper alone.
@@ -156,7 +157,14 @@ def split_of(run: Run) -> Split:
     steps = np.diff(time)
     layers = {"structure": structure, "absorber": absorber}
     inside = values_between(run, time)
-    for name, power in (("damper", damper_power), ("pivot", pivot_power)):
+    # Where the absorber's own damper is.
+    own = "dashpot" if design.pendulum is None else "pivot"
+    dashpot = dashpot_of(run, design)
+
+    def own_power(design: Design, motion: Motion) -> Numbers:
+        return pivot_power(design, motion) + dashpot * motion["gap_velocity"] ** 2
+
+    for name, power in (("damper", damper_power), (own, own_power)):
         ends, middle = power(design, motion), power(design, inside)
         loss = steps / 6.0 * (ends[:-1] + 4.0 * middle + ends[1:])
         # There is no middle at the impact that ended a run early.
@@ -172,7 +180,7 @@ def split_of(run: Run) -> Split:
     row = run.summary.row(0, named=True)
     for name, column in (
         ("damper", "energy_viscous"),
-        ("pivot", "energy_pivot"),
+        (own, "energy_pivot"),
         ("friction", "energy_friction"),
     ):
         truth = row[column]
@@ -186,9 +194,22 @@ def split_of(run: Run) -> Split:
         names = ["structure", "damper"]
     if design.pendulum is not None and design.pendulum.damping_ratio > 0.0:
         names.append("pivot")
+    if dashpot > 0.0:
+        names.append("dashpot")
     if layers["friction"][-1] > 0.0:
         names.append("friction")
     return Split(time, {name: layers[name] for name in names})
+
+
+def dashpot_of(run: Run, design: Design) -> float:
+    """Return the constant c of the dashpot between a free mass and its structure; 0 without."""
+    absorber = run.absorber
+    if not isinstance(absorber, Siva):
+        return 0.0
+    if absorber.gap_damping is not None:
+        return absorber.gap_damping
+    ratio = absorber.gap_damping_ratio or 0.0
+    return 2.0 * ratio * design.mass * design.natural_frequency
 
 
 def friction_force(run: Run, design: Design) -> float:

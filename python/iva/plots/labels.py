@@ -24,7 +24,7 @@ NAMES = {
     "energy_initial": ("initial energy", "E"),
     "energy_impacts": ("energy lost in impacts", "E"),
     "energy_viscous": ("energy lost in the damper", "E"),
-    "energy_pivot": ("energy lost in the pivot", "E"),
+    "energy_pivot": ("energy lost in pivot or dashpot", "E"),
     "energy_friction": ("energy lost in friction", "E"),
     "stops": ("stops in the gap", ""),
     "time_held": ("time held in the gap", "t"),

@@ -85,7 +85,10 @@ const KICKED: &str = "impulses act at the point that a run sees: let both be the
 /// Free masses on a structure with several modes, N at most.
 #[derive(Debug, Clone)]
 pub struct Modal<H: Host, const N: usize = MOST> {
+    /// The structure as given.
     structure: ModalStructure<H::Real>,
+    /// The same, with masses that are coordinates of it.
+    whole: ModalStructure<H::Real>,
     /// Those in use first; the others mean nothing.
     masses: [FreeMass<H::Real>; N],
     /// The index of the point of each mass.
@@ -160,11 +163,11 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
     /// [`Invalid`] for a point that the structure does not have, for impulses at another point than that which a run
     /// sees, whose work it would not know, and for a moving base of a structure that does not say how it takes part.
     pub fn under(&self, force: Force<R>, point: &str) -> Result<Modal<DrivenHost<R>, N>, Invalid> {
-        let pushed = self.structure.point("force.point", point)?;
+        let pushed = self.whole.point("force.point", point)?;
         if force.kicks() > 0 && pushed != self.seen {
             return Err(Invalid::new("force.point", point, KICKED));
         }
-        if force.moves_base() && self.structure.participation().is_none() {
+        if force.moves_base() && self.whole.participation().is_none() {
             return Err(Invalid::missing(
                 "structure.participation",
                 "a moving base needs the participation of each mode",
@@ -173,27 +176,42 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
         let of = (self.masses, self.at, self.count);
         let points = [self.seen, pushed];
-        Ok(Modal::on(host, self.structure.clone(), of, self.dashpots.clone(), points))
+        let on = Modal::on(host, self.whole.clone(), of, self.dashpots.clone(), points);
+        Ok(Modal { structure: self.structure.clone(), ..on })
     }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn on(
         host: H,
-        structure: ModalStructure<R>,
+        whole: ModalStructure<R>,
         (masses, at, count): ([FreeMass<R>; N], [usize; N], usize),
         dashpots: [Option<Dashpot<R>>; N],
         [seen, pushed]: [usize; 2],
     ) -> Self {
         let shapes: [&[R]; N] = std::array::from_fn(|k| match &dashpots[k] {
             Some(dashpot) => dashpot.shape.as_slice(),
-            None => structure.shape(at[k]),
+            None => whole.shape(at[k]),
         });
         let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
         let stuck = (0..1_usize << count).map(|_| OnceLock::new()).collect();
         let drive = host.force().map_or(R::ZERO, Force::fastest);
-        let reach = R::from(equations::LONGEST * R::STEP) / structure.growth().max(drive);
-        Self { structure, masses, at, count, seen, pushed, host, mobility, dashpots, stuck, reach }
+        let reach = R::from(equations::LONGEST * R::STEP) / whole.growth().max(drive);
+        let structure = whole.clone();
+        Self {
+            structure,
+            whole,
+            masses,
+            at,
+            count,
+            seen,
+            pushed,
+            host,
+            mobility,
+            dashpots,
+            stuck,
+            reach,
+        }
     }
 
     /// The same system, of which a run sees the motion at another named point.
@@ -201,7 +219,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// # Errors
     /// [`Invalid`] for a point that the structure does not have, and for one at which impulses do not act, if there are any.
     pub fn seen_at(mut self, point: &str) -> Result<Self, Invalid> {
-        self.seen = self.structure.point("structure.seen_at", point)?;
+        self.seen = self.whole.point("structure.seen_at", point)?;
         let kicked = self.host.force().is_some_and(|force| force.kicks() > 0);
         if kicked && self.pushed != self.seen {
             return Err(Invalid::new("structure.seen_at", point, KICKED));
@@ -209,9 +227,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         Ok(self)
     }
 
-    /// The structure.
+    /// The structure as given.
     pub fn structure(&self) -> &ModalStructure<R> {
         &self.structure
+    }
+
+    /// True if a mass has a dashpot in its gap.
+    pub fn has_dashpots(&self) -> bool {
+        self.dashpots.iter().any(Option::is_some)
     }
 
     /// The masses.
@@ -235,7 +258,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// The shape at the point of a mass.
     fn shape(&self, k: usize) -> &[R] {
-        self.structure.shape(self.at[k])
+        self.whole.shape(self.at[k])
     }
 
     /// The shape of the gap of a mass: that at its point, unless the mass is a coordinate of the structure.

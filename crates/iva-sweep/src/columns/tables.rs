@@ -54,7 +54,7 @@ macro_rules! summary {
             "energy_residual" Energy [Ledger] |run| run.ended.measures.energy_residual,
                 "initial + work − impacts − viscous − pivot − final";
             "energy_pivot" Energy [Ledger] |run| run.ended.measures.energy_pivot,
-                "energy lost in the pivot of a pendulum, integrated along the flights; else 0";
+                "energy lost in the pivot of a pendulum or in dashpots in gaps, integrated along the flights; else 0";
             "stop_reachable" Flag [Run] |run| run.scene.stop_reachable(),
                 "the absorber can reach its stops at all; null without absorber";
             "gravity" Acceleration [Run] |run| run.scene.gravity(),

@@ -11,6 +11,8 @@ use iva_core::siva::Siva;
 
 use crate::choices::Kind;
 use crate::design::{Design, Spec};
+use crate::engine::dashpot;
+use crate::engine::given::Given;
 use crate::fields::{FieldId, Part};
 use crate::forces::Nature;
 use crate::scene::{Mounted, Scene};
@@ -124,6 +126,10 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
     if let Some(value) = spec.get(FieldId::Friction).filter(|value| *value != 0.0) {
         let rule = "orbits are those of an absorber without friction; leave it out";
         return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
+    }
+    if let Some((path, value)) = dashpot::given(&Given::<f64>::new(spec)) {
+        let rule = "orbits are those of an absorber without dashpot; leave it out";
+        return Err(Invalid::new(path, number(value), rule));
     }
     if spec.structure().is_some() {
         let rule = "orbits are those of an absorber on one mode; give [primary] in its place";

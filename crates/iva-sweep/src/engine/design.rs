@@ -5,6 +5,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::dashpot;
 use super::forces;
 use super::free_mass::{self, Weight};
 use super::given::Given;
@@ -61,7 +62,7 @@ impl<R: Real> Design<R> {
     /// [`Invalid`] for numbers that the core refuses.
     pub fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
         let Self { scene, window, limits, .. } = self;
-        let Some(force) = scene.force().filter(|_| !scene.has_modes()) else { return Ok(None) };
+        let Some(force) = scene.force().filter(|_| scene.moves_as_one()) else { return Ok(None) };
         let zeta = scene.damping_ratio();
         let from = (scene.primary(), self.begin);
         steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
@@ -169,6 +170,12 @@ impl<R: Real> Given<'_, R> {
     ) -> Result<Scene<R>, Invalid> {
         if let Some(structure) = self.spec.structure().filter(|_| EVERY_SCENE) {
             return modal::scene(self, structure, start, force, scale);
+        }
+        if let Some((path, value)) = dashpot::given(self) {
+            if !EVERY_SCENE {
+                return Err(Invalid::new(path, number(value), "give no dashpot here"));
+            }
+            return modal::with_dashpots(self, start, force, scale, units);
         }
         let units_of_first = self.spec.units_of(0);
         if self.spec.count() > 1 || units_of_first > 1 {
@@ -377,7 +384,7 @@ impl<R: Real> Given<'_, R> {
         Err(Invalid::new(self.path(given), number(value), rule))
     }
 
-    fn needs_mass(&self, field: FieldId, value: R, alternative: &str) -> Invalid {
+    pub(super) fn needs_mass(&self, field: FieldId, value: R, alternative: &str) -> Invalid {
         Invalid::new(
             self.path(field),
             number(value),

@@ -34,7 +34,7 @@ impl<'a, R: Real> Given<'a, R> {
     }
 
     /// The same fields, with those of the absorber of this number in a list.
-    pub(super) fn of(&self, absorber: usize) -> Self {
+    pub(crate) fn of(&self, absorber: usize) -> Self {
         Self { absorber, ..*self }
     }
 
@@ -49,7 +49,7 @@ impl<'a, R: Real> Given<'a, R> {
     }
 
     /// The path of a field that is not of a force, for messages.
-    pub(super) fn path(&self, field: FieldId) -> String {
+    pub(crate) fn path(&self, field: FieldId) -> String {
         self.slot(field).path()
     }
 

@@ -1,12 +1,14 @@
-//! A scene of free masses on a structure with several modes.
+//! A scene of free masses on a structure with several modes, or with dashpots in their gaps.
 
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
-use iva_core::absorber::modal::{Modal, ModalStart};
+use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure};
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
 use iva_core::real::Real;
+use iva_core::siva::FreeMass;
 
+use super::dashpot::{self, PRIMARY};
 use super::given::Given;
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
@@ -39,22 +41,83 @@ pub(super) fn scene<R: Real>(
     fits(given)?;
     let omega = structure.natural_frequency();
     let modes = structure.modes::<R>(omega)?;
-    let (mut masses, mut gaps) = (Vec::new(), Vec::new());
     let absorbers = given.spec.count();
-    if given.spec.choices().kind != Kind::None {
-        several::each(given, scale, UnitSystem::Si, |absorber, mass, gap| {
-            masses.push((mass, structure.absorber_at(absorber, absorbers)?));
-            gaps.push(gap);
-            Ok(())
-        })?;
-    }
+    let riding = if given.spec.choices().kind == Kind::None {
+        Riding::none()
+    } else {
+        let at = |absorber| structure.absorber_at(absorber, absorbers);
+        Riding::all(given, scale, UnitSystem::Si, at)?
+    };
     let (seen, pushed) = (structure.seen(), structure.pushed());
     let primary = [start.displacement, start.velocity];
     let [displacements, velocities] = structure.begin(&modes, (seen, primary), omega)?;
+    mounted(given, modes, riding, [displacements, velocities], [seen, pushed], force)
+}
+
+/// The scene of absorbers of which some have a dashpot in their gap, on a structure that moves as one.
+///
+/// # Errors
+/// [`Invalid`] as of several absorbers, and for a law of restitution.
+pub(super) fn with_dashpots<R: Real>(
+    given: &Given<'_, R>,
+    start: Start<R>,
+    force: Force<R>,
+    scale: &Scale<R>,
+    units: UnitSystem,
+) -> Result<Scene<R>, Invalid> {
+    let modes = dashpot::primary(given.damping_ratio(scale, units)?)?;
+    let riding = Riding::all(given, scale, units, |_| Ok(PRIMARY))?;
+    let begin = [vec![start.displacement], vec![start.velocity]];
+    mounted(given, modes, riding, begin, [PRIMARY; 2], force)
+}
+
+/// Absorbers at points of a structure, with their places in their gaps and their dashpots.
+struct Riding<'a, R> {
+    masses: Vec<(FreeMass<R>, &'a str)>,
+    gaps: Vec<GapPoint<R>>,
+    dashpots: Vec<R>,
+}
+
+impl<'a, R: Real> Riding<'a, R> {
+    fn none() -> Self {
+        Self { masses: vec![], gaps: vec![], dashpots: vec![] }
+    }
+
+    /// All units of all absorbers of a list.
+    fn all(
+        given: &Given<'_, R>,
+        scale: &Scale<R>,
+        units: UnitSystem,
+        at: impl Fn(usize) -> Result<&'a str, Invalid>,
+    ) -> Result<Self, Invalid> {
+        let mut all = Self::none();
+        several::each(given, scale, units, |absorber, mass, gap| {
+            let own = given.of(absorber);
+            dashpot::no_law(&own)?;
+            let damping = dashpot::damping(&own, scale, units)?;
+            all.masses.push((mass, at(absorber)?));
+            all.gaps.push(gap);
+            all.dashpots.push(damping / given.spec.units_of(absorber) as f64);
+            Ok(())
+        })?;
+        Ok(all)
+    }
+}
+
+/// The scene of absorbers on a structure that begins with these q and q̇, is seen at one point, and pushed at another.
+fn mounted<R: Real>(
+    given: &Given<'_, R>,
+    modes: ModalStructure<R>,
+    riding: Riding<'_, R>,
+    [displacements, velocities]: [Vec<R>; 2],
+    [seen, pushed]: [&str; 2],
+    force: Force<R>,
+) -> Result<Scene<R>, Invalid> {
+    let Riding { masses, gaps, dashpots } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
-    let system = Modal::of(modes, &masses)?.seen_at(seen)?;
+    let system = Modal::of(modes, &masses)?.seen_at(seen)?.with_dashpots(&dashpots)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
     let gravity = None;
     if force.is_none() {
@@ -88,6 +151,9 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             FieldId::MassRatio => "on a structure with several modes give mass (kg)",
             FieldId::ReferenceSpeed | FieldId::YieldSpeed => {
                 "on a structure with several modes the restitution is a number; leave it out"
+            }
+            FieldId::GapDampingRatio => {
+                "on a structure with several modes give gap_damping (N s/m)"
             }
             FieldId::ContactStiffness => "on a structure with several modes give contact_time",
             FieldId::Amplitude => {

@@ -1,6 +1,6 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
-use iva_core::absorber::modal::Modal;
+use iva_core::absorber::modal::{Modal, ModalStructure};
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
@@ -141,9 +141,26 @@ impl<R: Real> Scene<R> {
         with_system!(self, |it| it.system.clearance())
     }
 
-    /// Damping ratio ζ of the primary without absorber.
+    /// Damping ratio ζ of the primary without absorber; of several modes that of the first.
     pub fn damping_ratio(&self) -> R {
-        with_system!(self, |it| it.system.excitation().damping_ratio())
+        match self.modes() {
+            Some(modes) => modes.damping_ratio(0).unwrap_or(R::ZERO),
+            None => with_system!(self, |it| it.system.excitation().damping_ratio()),
+        }
+    }
+
+    /// The modes of the structure, where it is run by them.
+    fn modes(&self) -> Option<&ModalStructure<R>> {
+        match self {
+            Scene::Modal(it) => Some(it.system.structure()),
+            Scene::DrivenModal(it) => Some(it.system.structure()),
+            _ => None,
+        }
+    }
+
+    /// True if the structure moves as one: it is a primary.
+    pub fn moves_as_one(&self) -> bool {
+        self.modes().is_none_or(ModalStructure::moves_as_one)
     }
 
     /// The parameters of a pendulum; `None` for any other scene.
@@ -155,9 +172,18 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// True if the structure has several modes.
+    /// True if the structure is given by its modes or matrices.
     pub fn has_modes(&self) -> bool {
-        with_system!(self, |it| it.system.has_points())
+        !self.moves_as_one()
+    }
+
+    /// True if an absorber has a dashpot in its gap.
+    pub fn has_dashpots(&self) -> bool {
+        match self {
+            Scene::Modal(it) => it.system.has_dashpots(),
+            Scene::DrivenModal(it) => it.system.has_dashpots(),
+            _ => false,
+        }
     }
 
     /// True if the absorber rubs on its way.

@@ -108,12 +108,12 @@ fn mass<R: Real>(
     }
     for field in [FieldId::Inclination, FieldId::InclinationDeg] {
         if let Some(value) = given.get(field).filter(|value| *value != 0.0) {
-            let rule = "the line of motion of several absorbers, and on a structure with several modes, is level; leave it out";
+            let rule = "the line of motion of several absorbers, of those with a dashpot, and on a structure with several modes, is level; leave it out";
             return Err(Invalid::new(given.path(field), number(value), rule));
         }
     }
     if let Some(value) = given.get(FieldId::Friction).filter(|value| *value != 0.0) {
-        let rule = "friction is that of one absorber, on one mode; leave it out";
+        let rule = "friction is that of one absorber without dashpot, on one mode; leave it out";
         return Err(Invalid::new(given.path(FieldId::Friction), number(value), rule));
     }
     // Refuses gravity without an inclination.

@@ -17,7 +17,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// derivatives of the pressure by its stiffness, which the sum of a chatter leaves out, and the structure moves in
     /// it as if the mass were stuck but for terms of the same order.
     fn is_sudden(&self, time: R) -> bool {
-        let turned = time * self.structure.growth();
+        let turned = time * self.whole.growth();
         time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
     }
 }
@@ -80,7 +80,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
             let Place { distance, rate, stuck, .. } = state.places[k];
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
             let kicked = impulse * both.sqrt();
-            let shaken = flight.shaken(k) + kicked * self.structure.growth() * 2.0;
+            let shaken = flight.shaken(k) + kicked * self.whole.growth() * 2.0;
             let travel = time * (rate.value.abs() + kicked + shaken * time);
             let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
             !stuck && near > travel && gap - near > travel

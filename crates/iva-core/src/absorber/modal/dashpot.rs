@@ -47,7 +47,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
                 return Err(Invalid::new(field, number(damping.double()), "give 0 or more"));
             }
         }
-        let own = self.structure.count();
+        let own = self.whole.count();
         let coupled: Vec<usize> = (0..self.count).filter(|k| dashpots[*k] != 0.0).collect();
         let count = own + coupled.len();
         if count > MOST_MODES {
@@ -61,22 +61,23 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         for (index, &k) in coupled.iter().enumerate() {
             let root = self.masses[k].mass_ratio.sqrt();
             let coordinate = own + index;
-            let mut shape = self.structure.shape(self.at[k]).to_vec();
+            let mut shape = self.whole.shape(self.at[k]).to_vec();
             shape.resize(count, R::ZERO);
             shape[coordinate] = -(R::ONE / root);
             all[k] = Some(Dashpot { damping: dashpots[k], shape, coordinate, root });
         }
         let of_all: Vec<&Dashpot<R>> = all.iter().flatten().collect();
-        let structure = self.structure.with_masses(&of_all);
+        let whole = self.whole.with_masses(&of_all);
         let of = (self.masses, self.at, self.count);
-        Ok(Self::on(self.host, structure, of, all, [self.seen, self.pushed]))
+        let (structure, points) = (self.structure, [self.seen, self.pushed]);
+        Ok(Self { structure, ..Self::on(self.host, whole, of, all, points) })
     }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Number of modes that are the structure's own.
     pub(super) fn own_modes(&self) -> usize {
-        self.structure.count() - self.dashpots.iter().flatten().count()
+        self.structure.count()
     }
 
     /// 1/μ, or 0 for a mass that is a coordinate of the structure.

@@ -106,7 +106,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         unit: R,
         order: usize,
     ) -> Vec<Series<R>> {
-        let mut rows = vec![Series::ZERO; self.structure.count()];
+        let mut rows = vec![Series::ZERO; self.whole.count()];
         for (j, row) in rows.iter_mut().enumerate() {
             modes.places[j].put(row, 0);
             scaled(modes.velocities[j], unit).put(row, 1);
@@ -137,8 +137,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let mut force = [zero; MOST_MODES];
         let damped = unit * (m + 1) as f64;
         for (j, force) in force.iter_mut().enumerate().take(n) {
-            let spring = T::of(scaled(self.structure.stiffness[j], unit * unit));
-            let damper = match &self.structure.damping {
+            let spring = T::of(scaled(self.whole.stiffness[j], unit * unit));
+            let damper = match &self.whole.damping {
                 Damping::Separate(rates) => T::of(rates[j]) * T::get(&rows[j], m + 1),
                 Damping::Full(matrix) => {
                     let elements = matrix[j * n..(j + 1) * n].iter().zip(&*rows);
@@ -151,11 +151,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         }
         let [f, a] = [f, a].map(|push| push * T::from_real(unit * unit));
         if self.host.is_driven() {
-            for (force, phi) in force.iter_mut().zip(self.structure.shape(self.pushed)) {
+            for (force, phi) in force.iter_mut().zip(self.whole.shape(self.pushed)) {
                 *force = *force + f * T::from_real(*phi);
             }
-            for (force, part) in force.iter_mut().zip(self.structure.participation().unwrap_or(&[]))
-            {
+            for (force, part) in force.iter_mut().zip(self.whole.participation().unwrap_or(&[])) {
                 *force = *force - a * T::from_real(*part);
             }
         }
@@ -267,15 +266,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let powers = (1..=n).fold(R::ONE, |power, i| power / unit * i as f64);
         let next = powers / unit * (n + 1) as f64;
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(n as i32));
-        let pushed = self.structure.shape(self.pushed);
+        let pushed = self.whole.shape(self.pushed);
         let none: &[R] = &[];
-        let parts = self.structure.participation().unwrap_or(none);
-        let separate = stuck.masses.is_empty() && self.structure.is_separate();
+        let parts = self.whole.participation().unwrap_or(none);
+        let separate = stuck.masses.is_empty() && self.whole.is_separate();
         let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
         let mut rates = [R::ZERO; MOST_MODES];
         for (j, row) in rows.iter().enumerate() {
             let [low, high] = [R::get(row, n) * powers, R::get(row, n + 1) * next];
-            let energy = high * high + self.structure.stiffness[j].value * (low * low);
+            let energy = high * high + self.whole.stiffness[j].value * (low * low);
             let phi = shape[j];
             let part = parts.get(j).copied().unwrap_or(R::ZERO);
             if separate {
@@ -312,13 +311,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The size of the terms that are summed to the acceleration at a point.
     pub(super) fn terms(&self, state: &ModalState<H, N>, shape: &[R]) -> R {
         let mut sum = R::ZERO;
-        let growth = self.structure.growth();
+        let growth = self.whole.growth();
         for (j, phi) in shape.iter().enumerate() {
-            let spring = self.structure.stiffness[j].value * state.modes.places[j].value.abs();
+            let spring = self.whole.stiffness[j].value * state.modes.places[j].value.abs();
             sum += phi.abs() * (spring + growth * state.modes.velocities[j].value.abs());
         }
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(0));
-        let pushed = self.structure.shape(self.pushed).iter().zip(shape);
+        let pushed = self.whole.shape(self.pushed).iter().zip(shape);
         sum + pushed.fold(R::ZERO, |sum, (a, b)| sum + (*a * *b).abs()) * f + a * 2.0
     }
 

@@ -138,7 +138,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             after.modes.push(self.gap_shape(k), *impulse);
         }
         if let Some(impulse) = outside {
-            after.modes.push(self.structure.shape(self.pushed), impulse);
+            after.modes.push(self.whole.shape(self.pushed), impulse);
         }
         after
     }
@@ -158,7 +158,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// The velocity in the gap of a mass per impulse from outside.
     fn pushed_at(&self, k: usize) -> DoubleDouble<R> {
-        mobility(self.gap_shape(k), self.structure.shape(self.pushed))
+        mobility(self.gap_shape(k), self.whole.shape(self.pushed))
     }
 
     /// 1/(1/μ + φ·φ): what the impulse of an impact is, over (1 + e) w, where no mass is stuck.
@@ -172,7 +172,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// φᵀ D φ at the point of a mass: by how much an impulse raises the pressure there.
     fn stiffened(&self, k: usize) -> R {
-        self.structure.damped(self.gap_shape(k))
+        self.whole.damped(self.gap_shape(k))
     }
 }
 

@@ -10,9 +10,9 @@ use crate::host::Host;
 
 impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
     fn linear(&self) -> LinearStructure {
-        let n = self.structure.count();
-        let stiffness = self.structure.stiffness.iter().map(|square| square.value);
-        let damping = match &self.structure.damping {
+        let n = self.whole.count();
+        let stiffness = self.whole.stiffness.iter().map(|square| square.value);
+        let damping = match &self.whole.damping {
             Damping::Separate(rates) => {
                 let rates = rates.iter().map(|rate| rate.value);
                 DMatrix::from_diagonal(&DVector::from_iterator(n, rates))

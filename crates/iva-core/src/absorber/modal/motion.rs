@@ -87,7 +87,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     }
 
     fn x(&self) -> &Series<R> {
-        self.seen.get_or_init(|| self.displacement(self.system.structure.shape(self.system.seen)))
+        self.seen.get_or_init(|| self.displacement(self.system.whole.shape(self.system.seen)))
     }
 
     /// The displacement of a point of this shape.
@@ -157,7 +157,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     /// ∫ q̇ᵀ D q̇ dh.
     fn viscous(&self, rates: &[Row<R>], h: R) -> R {
         let n = rates.len();
-        match &self.system.structure.damping {
+        match &self.system.whole.damping {
             Damping::Separate(dampers) => {
                 dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
                     if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
@@ -197,12 +197,12 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                 both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
             })
         };
-        let pushed = seen(system.structure.shape(system.pushed));
+        let pushed = seen(system.whole.shape(system.pushed));
         let mut work = self.integral(&pushed, &drive.primary, h);
         if !system.host.moves_base() {
             return work;
         }
-        let mut momentum = seen(system.structure.participation().unwrap_or(&[]));
+        let mut momentum = seen(system.whole.participation().unwrap_or(&[]));
         for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
             // A mass with a dashpot takes part as a coordinate of the structure.
             if system.dashpots[k].is_some() {

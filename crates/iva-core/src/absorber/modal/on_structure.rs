@@ -40,14 +40,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
 
     /// Displacement and velocity of the point that the run sees.
     fn primary(&self, state: &Self::State) -> Point<R> {
-        let [x, v] = state.modes.of_point(self.structure.shape(self.seen));
+        let [x, v] = state.modes.of_point(self.whole.shape(self.seen));
         Point { x: x.value, v: v.value }
     }
 
     /// That of all modes and masses.
     fn energy(&self, state: &Self::State) -> R {
         let mut sum = R::ZERO;
-        for (j, stiffness) in self.structure.stiffness.iter().enumerate() {
+        for (j, stiffness) in self.whole.stiffness.iter().enumerate() {
             let (q, v) = (state.modes.places[j].value, state.modes.velocities[j].value);
             sum += (stiffness.value * (q * q) + v * v) * 0.5;
         }
