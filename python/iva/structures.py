@@ -14,7 +14,7 @@ from os import PathLike
 
 from iva import _iva
 from iva.parameters import is_list, number, numbers, shown
-from iva.spelling import spell_checked
+from iva.spelling import hint, spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -174,17 +174,39 @@ class Structure:
         )
 
     @classmethod
-    def read(cls, file: str | PathLike[str], **entries: Any) -> Structure:
-        """Read modes from a CSV file, a row for each mode.
+    def read(
+        cls,
+        file: str | PathLike[str],
+        *,
+        directions: str = "xyz",
+        nodes: Iterable[int] | None = None,
+        modes: Iterable[int] | None = None,
+        modal_masses: Numbers | None = None,
+        mass_unit: str | None = None,
+        **entries: Any,
+    ) -> Structure:
+        """Read modes or matrices from a CSV file, a MAT file or a universal file.
 
         Parameters
         ----------
         file : path
-            Its columns are ``frequency`` (rad/s) or ``frequency_hz``, ``damping_ratio`` if there is
-            any, ``base`` if the base moves, and ``shape_`` with the name of each point, as
-            :meth:`modes` returns them. Other columns are left alone.
+            Its name tells what it is. ``.mat``: variables of MATLAB. ``.uff``, ``.unv``, ``.uf``: a
+            universal file. All others are CSV. See the notes.
+        directions : str, default "xyz"
+            Of universal files: those directions of each node that become points.
+        nodes : sequence of int, optional
+            Of universal files: numbers of the nodes that become points, by default all.
+        modes : sequence of int, optional
+            Of universal files: numbers of the modes that are read, by default all.
+        modal_masses : float or sequence of float, shape (n,), optional
+            Of universal files: modal masses φᵀ M φ in kg of the shapes φ as the file has them, one
+            for all modes or one for each by increasing frequency, in the place of those of the
+            file.
+        mass_unit : {"kg", "g", "t", "lb", "slug", "slinch"}, optional
+            Unit of the modal masses of a universal file without units (dataset 164). If the file
+            states another one, that is refused.
         **entries
-            All other parameters of the class.
+            All other parameters of the class. They take the place of what the file has.
 
         Returns
         -------
@@ -192,45 +214,54 @@ class Structure:
 
         Raises
         ------
+        TypeError
+            If an argument is unknown or of another form.
         ValueError
-            If a column is missing or has something else than numbers.
-        OSError
+            If something is missing in the file or of another form, if a unit or a modal mass is
+            stated nowhere, or if a mode is not real.
+        ImportError
+            If the package is missing that reads the file: pip install 'iva-dynamics[export]'.
+        iva.IvaError, OSError
             If the file cannot be read.
+
+        Notes
+        -----
+        *CSV:* a row for each mode. Columns are ``frequency`` (rad/s) or ``frequency_hz``,
+        ``damping_ratio`` if there is any, ``base`` if the base moves, and ``shape_`` with the name
+        of each point, as :meth:`modes` returns them. Other columns are left alone.
+
+        *MAT* (versions up to 7.2, needs SciPy): variables have names, meanings and units of the
+        parameters of the class. Shapes are a matrix ``shapes``, a row for each mode and a column
+        for each point, and ``points`` is a cell array with the names; matrices may also be called
+        ``M``, ``K`` and ``C``, and be sparse. Other variables are left alone.
+
+        *Universal files* (datasets 55 of normal modes or complex eigenvalues, needs pyuff): a point
+        is a node and a direction, ``"12x"``, ``"12y"``, ``"12z"``; those that no mode moves are
+        left out, and so are rotations. Modes are sorted by frequency. A viscous damping ratio of 0
+        is taken as it is. Shapes are divided by the root of the modal mass, in the units of dataset
+        164. That of a complex eigenvalue of first order follows from its modal A; that of one of
+        second order must be given. Some software writes modal masses of 1 for shapes that nobody
+        scaled: then give `modal_masses`. Complex shapes are turned, which leaves their signs open,
+        and taken as real if their phases then scatter by at most 10°; the tangent of that angle is
+        the root of the sum of the squares of the imaginary parts over that of the real parts.
+
+        Examples
+        --------
+        >>> Structure.read("modes.uff", directions="x", absorber_at="12x")  # doctest: +SKIP
         """
-        import polars as pl
+        from iva.structure_files import Choices, entries_of
 
-        frame = pl.read_csv(os.fspath(file))
-        points = {
-            name.removeprefix("shape_"): column(frame, name)
-            for name in frame.columns
-            if name.startswith("shape_")
-        }
-        if not points:
-            raise ValueError(f"{file}: there is no column shape_…, with the shapes at a point")
-        found: dict[str, Any] = {"points": points}
-        for name, told in (
-            ("frequency", "frequencies"),
-            ("frequency_hz", "frequencies_hz"),
-            ("damping_ratio", "damping_ratios"),
-            ("base", "base"),
-        ):
-            if name in frame.columns and not (told == "frequencies_hz" and "frequencies" in found):
-                found[told] = column(frame, name)
-        return cls(**(found | entries))
-
-
-def column(frame: pl.DataFrame, name: str) -> list[float]:
-    """Return a column of numbers.
-
-    Raises
-    ------
-    ValueError
-        If it has something else.
-    """
-    values = frame[name]
-    if not values.dtype.is_numeric() or values.null_count():
-        raise ValueError(f"column {name}: give a number in every row")
-    return [float(value) for value in values]
+        known = [field.name for field in fields(cls)]
+        for name, value in entries.items():
+            if name not in known:
+                rule = (
+                    hint(name, [*known, *Choices.__slots__]) or f"; give some of {', '.join(known)}"
+                )
+                raise TypeError(
+                    f"{name} = {shown(value)}: Structure.read has no such argument{rule}"
+                )
+        choices = Choices(directions, nodes, modes, modal_masses, mass_unit)
+        return cls(**entries_of(os.fspath(file), choices, entries))
 
 
 def entry(name: str, value: Any) -> Any:

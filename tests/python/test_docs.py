@@ -20,8 +20,8 @@ MODULES = ["iva"] + [
 WITHOUT = {
     f"iva.{name}"
     for name in (
-        "commands design distributed frames identification manifests markup own_files parts "
-        "progress reading remote scanning scenes tables"
+        "commands design distributed frames identification manifests markup modal_masses own_files "
+        "parts progress reading remote scanning scenes tables"
     ).split()
 }
 

@@ -56,13 +56,26 @@ def channels_of(path: object) -> tuple[str, list[Channel]]:
     check(name)
     if ending in OPENERS:
         return name, OPENERS[ending](name)
+    return name, READERS[ending](_iva.visible(name), contents_of(name))
+
+
+def contents_of(name: str) -> bytes:
+    """Return what a file holds.
+
+    Raises
+    ------
+    ValueError
+        If that is nothing.
+    iva.IvaError
+        If it cannot be read.
+    """
     try:
         contents = Path(name).read_bytes()
     except OSError as error:
         raise fault(f"{name} cannot be read: {error.strerror}") from error
     if not contents:
         raise ValueError(f"{_iva.visible(name)}: the file is empty; give times and values")
-    return name, READERS[ending](_iva.visible(name), contents)
+    return contents
 
 
 def check(name: str) -> None:

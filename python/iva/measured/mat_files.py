@@ -30,6 +30,31 @@ def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
     ValueError
         If it is of version 7.3, damaged, or has no vectors of numbers.
     """
+    leaves = [
+        leaf for name, value in variables(path, contents).items() for leaf in flattened(name, value)
+    ]
+    words = [(name, value) for name, value in leaves if value.dtype.kind == "U" and value.size]
+    texts = {name: str(value.flat[0]) for name, value in words}
+    channels = [
+        channel(name, values, texts.get(f"units.{name}", ""))
+        for leaf, value in leaves
+        for name, values in vectors(leaf, value)
+    ]
+    if not channels:
+        raise ValueError(f"{path}: no vectors of real numbers in it; give times and values")
+    return channels
+
+
+def variables(path: str, contents: bytes) -> dict[str, Any]:
+    """Return the variables of a MAT file by name, as SciPy reads them.
+
+    Raises
+    ------
+    ImportError
+        Without SciPy.
+    ValueError
+        If it is of version 7.3, or damaged.
+    """
     if any(mark in contents[:1024] for mark in NEWER):
         raise ValueError(
             f"{path}: a MAT file of version 7.3, which is HDF5; save it in MATLAB with '-v7'"
@@ -45,25 +70,10 @@ def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of names that are there twice, of odd classes
-            variables = loadmat(BytesIO(contents), struct_as_record=True)
+            there = loadmat(BytesIO(contents), struct_as_record=True)
     except Exception as error:  # SciPy raises what comes, of several classes
         raise ValueError(f"{path}: a damaged MAT file ({error}); save it anew") from error
-    leaves = [
-        leaf
-        for name, value in variables.items()
-        if not name.startswith("__")
-        for leaf in flattened(name, value)
-    ]
-    words = [(name, value) for name, value in leaves if value.dtype.kind == "U" and value.size]
-    texts = {name: str(value.flat[0]) for name, value in words}
-    channels = [
-        channel(name, values, texts.get(f"units.{name}", ""))
-        for leaf, value in leaves
-        for name, values in vectors(leaf, value)
-    ]
-    if not channels:
-        raise ValueError(f"{path}: no vectors of real numbers in it; give times and values")
-    return channels
+    return {name: value for name, value in there.items() if not name.startswith("__")}
 
 
 def channel(name: str, values: NDArray[Any], stated: str) -> Channel:

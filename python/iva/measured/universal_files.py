@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Collection
 from functools import partial
 from typing import Any
 
@@ -42,22 +43,7 @@ def channels_of_universal(path: str) -> list[Channel]:
     ValueError
         If the file is damaged, or has no time responses.
     """
-    try:
-        import pyuff
-    except ImportError as error:
-        raise ImportError(
-            "reading a universal file needs pyuff: pip install 'iva-dynamics[export]'"
-        ) from error
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # pyuff leaves files open
-            file = pyuff.UFF(path)
-            kinds = [int(kind) for kind in file.get_set_types()]
-            sets = [file.read_sets(place) for place, kind in enumerate(kinds) if kind in (58, 164)]
-    except Exception as error:  # pyuff raises Exception itself
-        raise ValueError(
-            f"{_iva.visible(path)}: a damaged universal file ({error}); export it anew"
-        ) from error
+    sets = sets_of(path, (58, 164))
     metre = 1.0
     channels = []
     for one in sets:
@@ -68,6 +54,43 @@ def channels_of_universal(path: str) -> list[Channel]:
     if not channels:
         raise ValueError(f"{_iva.visible(path)}: no time responses (dataset 58) in it; export some")
     return channels
+
+
+def sets_of(path: str, kinds: Collection[int], hint: str = "") -> list[dict[str, Any]]:
+    """Return the datasets of some kinds in a universal file, as pyuff reads them.
+
+    Parameters
+    ----------
+    path : str
+        Name of the file.
+    kinds : collection of int
+        Their numbers, such as 58.
+    hint : str
+        End of the sentence that refuses a damaged file.
+
+    Raises
+    ------
+    ImportError
+        Without pyuff.
+    ValueError
+        If the file is damaged.
+    """
+    try:
+        import pyuff
+    except ImportError as error:
+        raise ImportError(
+            "reading a universal file needs pyuff: pip install 'iva-dynamics[export]'"
+        ) from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # pyuff leaves files open
+            file = pyuff.UFF(path)
+            there = [int(kind) for kind in file.get_set_types()]
+            return [file.read_sets(place) for place, kind in enumerate(there) if kind in kinds]
+    except Exception as error:  # pyuff raises Exception itself
+        raise ValueError(
+            f"{_iva.visible(path)}: a damaged universal file ({error}); export it anew{hint}"
+        ) from error
 
 
 def is_response(one: dict[str, Any]) -> bool:

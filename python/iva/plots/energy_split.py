@@ -52,10 +52,10 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
 
     From below: structure (kinetic, and of its spring), absorber (kinetic, and in gravity, where it
     is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in
-    steps), and in a pendulum's pivot, in friction or in a dashpot in the gap. In free decay everything is relative to the
-    initial energy and fills the height up to 1. Under forces energies are drawn in their unit, and
-    the upper edge is the initial energy plus the work done so far. Without absorber there are
-    structure and damper alone.
+    steps), and in a pendulum's pivot, in friction or in a dashpot in the gap. In free decay
+    everything is relative to the initial energy and fills the height up to 1. Under forces energies
+    are drawn in their unit, and the upper edge is the initial energy plus the work done so far.
+    Without absorber there are structure and damper alone.
 
     Parameters
     ----------
