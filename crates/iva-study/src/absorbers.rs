@@ -3,12 +3,13 @@
 use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::restitution_table;
 use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::source::Source;
-use crate::value::{Key, Value, at, entries, name, number, one_of, table, unknown_key};
+use crate::value::{Key, Value, as_number, at, entries, name, number, one_of, table, unknown_key};
 
 /// A section of an absorber, with the place that is named if something is missing in it.
 #[derive(Debug)]
@@ -99,6 +100,12 @@ pub(crate) fn read(
             if CHOICES.iter().any(|choice| choice.name == bare) {
                 continue;
             }
+            if bare == restitution_table::NAME {
+                let path = path(bare, absorber, count);
+                read_table(source, &path, value, (&mut *spec, absorber))?;
+                source.note(path, key.span().start..value.span().end);
+                continue;
+            }
             let Some(field) = FieldId::find(part, bare) else {
                 let known = known_keys(part, spec.choices_of(absorber).kind);
                 return Err(unknown_key(source, part.name(), key, &known));
@@ -110,6 +117,39 @@ pub(crate) fn read(
         }
     }
     Ok(())
+}
+
+/// Reads the table of the restitution of an absorber.
+///
+/// # Errors
+/// At what is no pair of numbers, and at a point that does not fit.
+fn read_table(
+    source: &Source,
+    path: &str,
+    value: &Value<'_>,
+    (spec, absorber): (&mut Spec, usize),
+) -> Result<(), Error> {
+    let rule = "give a list of pairs [approach speed, restitution]";
+    let DeValue::Array(items) = value.get_ref() else {
+        return Err(source.bad_value(path, value.span(), rule));
+    };
+    let pair = |item: &Value<'_>| -> Option<[f64; 2]> {
+        let numbers: Option<Vec<f64>> =
+            item.get_ref().as_array()?.iter().map(|number| as_number(number.get_ref())).collect();
+        numbers?.try_into().ok()
+    };
+    let mut points = Vec::with_capacity(items.len());
+    for (index, item) in items.iter().enumerate() {
+        let rule = "give a pair [approach speed, restitution]";
+        let wrong = || source.bad_value(&format!("{path}[{index}]"), item.span(), rule);
+        points.push(pair(item).ok_or_else(wrong)?);
+    }
+    spec.set_restitution_table(absorber, &points).map_err(|invalid| {
+        let place = invalid.field.strip_prefix(path).and_then(|it| it.strip_prefix('['));
+        let index = place.and_then(|it| it.split(']').next()?.parse::<usize>().ok());
+        let item = index.and_then(|index| items.get(index)).unwrap_or(value);
+        at(source, item.span(), &invalid)
+    })
 }
 
 /// Reads a field of `[start]` that is given as a list with a number for each absorber.
@@ -149,6 +189,7 @@ pub(crate) fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
     let words =
         CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
     let others: &[&str] = match part {
+        Part::Absorber if kind == Kind::Siva => &[restitution_table::NAME],
         Part::Run => &["tables", "measures", "samples_per_period", "errors"],
         _ => &[],
     };
