@@ -613,8 +613,9 @@ def spec(
 ) -> Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``.
 
-    A table is the tuple of its pairs. A part that is ``None`` stands for no absorber. Fields of several absorbers have the number of
-    theirs, as in ``"absorber.1.mass"`` and ``"start.1.gap_velocity"``.
+    A table is the tuple of its pairs. A part that is ``None`` stands for no absorber. Fields of
+    several absorbers have the number of theirs, as in ``"absorber.1.mass"`` and
+    ``"start.1.gap_velocity"``.
     """
     fields_given: Spec = {}
     for part in parts:
