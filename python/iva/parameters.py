@@ -127,11 +127,12 @@ def pairs(field: str, values: object) -> tuple[tuple[float, float], ...]:
     ((0.1, 1.0), (1.0, 0.6))
     """
     # A frame gives its columns one after the other, which two rows could not be told from.
-    if not is_list(values) or isinstance(values, (Mapping, Set)) or hasattr(values, "columns"):
+    strange = isinstance(values, (str, bytes, Mapping, Set)) or hasattr(values, "columns")
+    if strange or not isinstance(values, Iterable):
         rule = "give a list of pairs [approach speed, restitution]"
         raise TypeError(f"{field} = {shown(values)}: {rule}")
     made: list[tuple[float, float]] = []
-    for place, pair in enumerate(values):  # type: ignore[arg-type]
+    for place, pair in enumerate(values):
         path = f"{field}[{place}]"
         found = None if not is_list(pair) else numbers(path, pair)
         if found is None or len(found) != 2:
@@ -419,7 +420,8 @@ class Siva(Part):
     reference_speed: float | None = None
     restitution_exponent: float | None = None
     yield_speed: float | None = None
-    restitution_table: Sequence[Sequence[float]] | None = None
+    # An array, which is no Sequence, or any other pairs.
+    restitution_table: Any = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None
