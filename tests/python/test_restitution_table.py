@@ -217,6 +217,24 @@ def test_an_orbit_is_its_own_mirror_image() -> None:
     assert found.residual < 1e-13
 
 
+def test_regimes_need_no_number_for_the_restitution() -> None:
+    """Of a flat table they are those of the number, chaotic as in record L1 of the references."""
+    both = [
+        dynamics.regimes(
+            iva.Siva(mass_ratio=0.2, clearance=3.85, **law),
+            iva.Primary(damping_ratio=0.05),
+            force=iva.Harmonic(amplitude=1.0, frequency=1.0),
+            starts=4,
+            most_cycles=100,
+            cycles=200,
+        )
+        for law in ({"restitution": 0.7}, {"restitution_table": [[1.0, 0.7], [2.0, 0.7]]})
+    ]
+    assert [one.kind for one in both[0]] == [one.kind for one in both[1]] == ["chaotic"]
+    assert both[0][0].quiet == both[1][0].quiet
+    assert both[0][0].amplitude == both[1][0].amplitude
+
+
 def test_value_semantics() -> None:
     """Pairs of floats whatever was given, and an expression that gives them again."""
     given = siva(restitution_table=[[0, 1], [np.float32(0.5), 0.25]])
