@@ -18,6 +18,7 @@ __all__ = [
     "check",
     "check_choices",
     "check_files",
+    "check_restitution_table",
     "column_units",
     "curve",
     "design",
@@ -160,6 +161,9 @@ def design(spec: _Spec, absorber: int = 0) -> dict[str, Any]: ...
 def modes(
     entries: dict[str, Any],
 ) -> tuple[list[tuple[float, float]], list[tuple[str, list[float]]], bool]: ...
+def check_restitution_table(
+    points: Sequence[Sequence[float]], values: Sequence[tuple[str, float]]
+) -> None: ...
 def check_choices(words: Sequence[tuple[str, str]]) -> None: ...
 def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
 def simulate(

@@ -1,7 +1,8 @@
 """What a run is made of: primary system, absorber, start.
 
 Names, ranges and meanings stand in one table of the compiled part; the classes here only carry
-the values. Every value is a float after construction, ``None`` where nothing was given.
+the values. Every value is a float after construction, or a tuple of pairs of floats for a table,
+``None`` where nothing was given.
 """
 
 from __future__ import annotations
@@ -99,6 +100,48 @@ def numbers(field: str, values: object) -> list[float]:
     return [number(f"{field}[{index}]", value) for index, value in enumerate(values)]
 
 
+def pairs(field: str, values: object) -> tuple[tuple[float, float], ...]:
+    """Return the points of a table given for `field` as pairs of floats.
+
+    Parameters
+    ----------
+    field : str
+        Name for the message.
+    values : iterable of pairs of real numbers
+        Lists or tuples, or a NumPy array of shape (n, 2).
+
+    Returns
+    -------
+    tuple of (float, float)
+
+    Raises
+    ------
+    TypeError
+        If `values` has no order or is not a sequence of pairs of numbers.
+    ValueError
+        If a number is too large for a float.
+
+    Examples
+    --------
+    >>> pairs("absorber.restitution_table", [[0.1, 1], [1, 0.6]])
+    ((0.1, 1.0), (1.0, 0.6))
+    """
+    # A frame gives its columns one after the other, which two rows could not be told from.
+    strange = isinstance(values, (str, bytes, Mapping, Set)) or hasattr(values, "columns")
+    if strange or not isinstance(values, Iterable):
+        rule = "give a list of pairs [approach speed, restitution]"
+        raise TypeError(f"{field} = {shown(values)}: {rule}")
+    made: list[tuple[float, float]] = []
+    for place, pair in enumerate(values):
+        path = f"{field}[{place}]"
+        found = None if not is_list(pair) else numbers(path, pair)
+        if found is None or len(found) != 2:
+            rule = "give a pair [approach speed, restitution]"
+            raise TypeError(f"{path} = {shown(pair)}: {rule}")
+        made.append((found[0], found[1]))
+    return tuple(made)
+
+
 def percentage(field: str, given: str) -> float:
     """Return a percentage given for `field` as a number.
 
@@ -131,6 +174,8 @@ class Part:
     _words: tuple[str, ...] = ()
     # Fields that may be lists, with a number for each of several absorbers.
     _of_each: tuple[str, ...] = ()
+    # Fields that are tables, each of points that are pairs of numbers.
+    _tables: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
@@ -141,7 +186,9 @@ class Part:
             value = getattr(self, name)
             if value is None:
                 continue
-            if name in self._of_each and is_list(value):
+            if name in self._tables:
+                object.__setattr__(self, name, pairs(path, value))
+            elif name in self._of_each and is_list(value):
                 object.__setattr__(self, name, tuple(numbers(path, value)))
             else:
                 object.__setattr__(self, name, number(path, value))
@@ -166,6 +213,7 @@ def checked(part: Part) -> None:
         If a value is out of range, a list is empty, or two fields set the same quantity.
     """
     fields_given = given(part)
+    tables = [fields_given.pop(name) for name in part._tables if name in fields_given]
     for name, values in fields_given.items():
         if isinstance(values, tuple):
             if not values:
@@ -178,17 +226,20 @@ def checked(part: Part) -> None:
                     path = f"{part._part}.{name}"
                     raise ValueError(str(error).replace(path, f"{path}[{place}]", 1)) from None
     first = (value[0] if isinstance(value, tuple) else value for value in fields_given.values())
-    _iva.check(part._part, list(zip(fields_given, first, strict=True)))
+    values_given = list(zip(fields_given, first, strict=True))
+    _iva.check(part._part, values_given)
+    for table in tables:
+        _iva.check_restitution_table(table, values_given)
 
 
 def given(part: Part) -> dict[str, Any]:
-    """Return the fields of a part that were given, by name: numbers, or tuples of them."""
+    """Return the fields of a part that were given, by name: numbers, or tuples of them or pairs."""
     values = ((name, getattr(part, name)) for name, _ in numeric(type(part)))
     return {name: value for name, value in values if value is not None}
 
 
 def numeric(kind: type[Part]) -> tuple[tuple[str, str], ...]:
-    """Return name and path ``"part.name"`` of every field of a kind of part that holds a number."""
+    """Return name and path ``"part.name"`` of every field of a kind of part that holds numbers."""
     if kind not in NUMERIC:
         names = (field.name for field in fields(kind) if field.name not in kind._words)  # type: ignore[arg-type]
         NUMERIC[kind] = tuple((name, f"{kind._part}.{name}") for name in names)
@@ -295,6 +346,11 @@ class Siva(Part):
     yield_speed : float, optional
         Makes the restitution that of elastic and perfectly plastic spheres: 1 up to this approach
         speed > 0, and falling from there on. It stands in the place of `restitution`.
+    restitution_table : array_like, shape (n, 2), optional
+        The restitution as measured, in the place of `restitution`: 1 to 16 pairs of approach speed
+        (in m/s in SI units, else as `reference_speed`) and restitution from 0 to 1, with speeds ≥ 0
+        that rise. It is linear between them, constant outside, and the same at both walls. Kept as
+        a tuple of pairs.
     relative_clearance : float, optional
         γ > 0, clearance over the size of the start displacement. One of the five ways to give the
         clearance is needed.
@@ -352,10 +408,16 @@ class Siva(Part):
     --------
     >>> Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5)
     Siva(mass_ratio=0.15, restitution=0.5, relative_clearance=0.6)
+
+    With the restitution measured at three approach speeds:
+
+    >>> Siva(mass_ratio=0.15, gap=1.2, restitution_table=[[0.1, 0.9], [0.5, 0.7], [2, 0.6]])
+    Siva(mass_ratio=0.15, restitution_table=((0.1, 0.9), (0.5, 0.7), (2.0, 0.6)), gap=1.2)
     """
 
     _part = "absorber"
     _kind = "siva"
+    _tables = ("restitution_table",)
 
     mass_ratio: float | None = None
     mass: float | None = None
@@ -364,6 +426,8 @@ class Siva(Part):
     reference_speed: float | None = None
     restitution_exponent: float | None = None
     yield_speed: float | None = None
+    # An array, which is no Sequence, or any other pairs.
+    restitution_table: Any = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None
@@ -559,8 +623,9 @@ def spec(
 ) -> Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``.
 
-    A part that is ``None`` stands for no absorber. Fields of several absorbers have the number of
-    theirs, as in ``"absorber.1.mass"`` and ``"start.1.gap_velocity"``.
+    A table is the tuple of its pairs. A part that is ``None`` stands for no absorber. Fields of
+    several absorbers have the number of theirs, as in ``"absorber.1.mass"`` and
+    ``"start.1.gap_velocity"``.
     """
     fields_given: Spec = {}
     for part in parts:
@@ -583,7 +648,7 @@ def add(fields_given: Spec, part: Part | None, place: str) -> None:
         fields_given |= {f"absorber.{place}{name}": word for name, word in choices(part)}
     for name, value in ({} if part is None else given(part)).items():
         assert part is not None
-        if isinstance(value, tuple):
+        if isinstance(value, tuple) and name not in part._tables:
             for number_, one in enumerate(value):
                 # Of one absorber fields have no number.
                 own = f"{number_}." if len(value) > 1 else ""

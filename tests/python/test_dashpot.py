@@ -91,7 +91,7 @@ def test_the_mass_slows_down_by_stokes_law() -> None:
 
 
 def test_ratio_and_constant_are_one_and_natural_units_take_the_ratio() -> None:
-    """The constant is 2 M ωn times the ratio; without a mass of the structure there is the ratio alone."""
+    """The constant is 2 M ωn times the ratio, which natural units take alone."""
     ratio = 8.0 / (2 * 100.0 * 30.0)
     one = iva.simulate(siva(), PRIMARY, start=START, periods=4)
     other = siva(gap_damping=None, gap_damping_ratio=ratio)

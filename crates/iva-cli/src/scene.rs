@@ -82,6 +82,11 @@ fn law(study: &Study, number: usize) -> Option<&'static str> {
     let slot = |field| study.spec.slot(field, number);
     let given = |field| study.spec.get_of(number, field).is_some();
     let has = |field| given(field) || study.sampling.sets(slot(field));
+    // An axis over the restitution takes the place of a table.
+    let swept = study.sampling.sets(slot(FieldId::Restitution));
+    if !swept && study.spec.restitution_table(number).is_some() {
+        return Some("a table of the approach speed");
+    }
     if has(FieldId::YieldSpeed) {
         return Some("that of plastic spheres");
     }

@@ -10,6 +10,7 @@ use iva_sweep::cube::Method;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part, nearest};
 use iva_sweep::forces::ForceSpec;
+use iva_sweep::restitution_table;
 use iva_sweep::sampling::{Rows, Sample, Sampling};
 use iva_sweep::slot::Slot;
 use iva_sweep::structure::{Entry, SECTION, Structure};
@@ -24,7 +25,7 @@ use crate::errors::invalid;
 use crate::record::PyRecord;
 
 /// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
-/// absorber comes before the other choices); under `"forces"` it has the list of forces, under `"structure"` the entries of
+/// absorber comes before the other choices), or the list of points of a table of the restitution; under `"forces"` it has the list of forces, under `"structure"` the entries of
 /// a structure with several modes. The fields of several absorbers are `"part.number.field"`.
 ///
 /// # Errors
@@ -50,6 +51,11 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
     for (path, value) in fields {
         let path: String = path.extract()?;
         if path == FORCES || path == SECTION || value.is_instance_of::<PyString>() {
+            continue;
+        }
+        if let Some(absorber) = of_table(&path) {
+            let points: Vec<[f64; 2]> = value.extract()?;
+            spec.set_restitution_table(absorber, &points).map_err(invalid)?;
             continue;
         }
         spec.set(slot(&path).map_err(invalid)?, value.extract()?).map_err(invalid)?;
@@ -83,6 +89,27 @@ pub fn structure(entries: &Bound<'_, PyDict>) -> PyResult<Structure> {
         all.push((name, entry));
     }
     Structure::new(all).map_err(invalid)
+}
+
+/// The number of the absorber whose table of the restitution is at a path; `None` for another path.
+fn of_table(path: &str) -> Option<usize> {
+    let number = path.strip_prefix("absorber.")?.strip_suffix(restitution_table::NAME)?;
+    if number.is_empty() { Some(0) } else { number.strip_suffix('.')?.parse().ok() }
+}
+
+/// Checks the table of a restitution beside the numbers given for its absorber.
+///
+/// # Errors
+/// [`Invalid`] for a point that does not fit, and for a number that sets the restitution as well.
+pub fn check_table(points: &[[f64; 2]], values: &[(String, f64)]) -> Result<(), Invalid> {
+    let mut spec = Spec::default();
+    for (name, value) in values {
+        if let Some(field) = FieldId::find(Part::Absorber, name) {
+            spec.set(field, *value)?;
+        }
+    }
+    spec.set_restitution_table(0, points)?;
+    spec.distinct()
 }
 
 /// The place of `"part.field"`, or `"part.number.field"` for several absorbers.

@@ -52,6 +52,13 @@ pub fn check(part: &str, values: Vec<(String, f64)>) -> PyResult<()> {
     arguments::check(arguments::part(part)?, &values).map_err(invalid)
 }
 
+/// Checks the table of a restitution, of points (approach speed, restitution), beside the numbers given for its absorber;
+/// raises ValueError for the first point that does not fit, or a number that sets the restitution as well.
+#[pyfunction]
+pub fn check_restitution_table(points: Vec<[f64; 2]>, values: Vec<(String, f64)>) -> PyResult<()> {
+    arguments::check_table(&points, &values).map_err(invalid)
+}
+
 /// Checks the words chosen for an absorber, its kind first; raises ValueError for the first that
 /// cannot be used.
 #[pyfunction]

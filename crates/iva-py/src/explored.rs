@@ -26,6 +26,10 @@ pub fn scene_of_study(path: PathBuf, point: u64) -> PyResult<Explored> {
         return Err(PyValueError::new_err(rule));
     }
     let spec = file.study.spec(point).map_err(invalid)?;
+    if spec.restitution_table(0).is_some() {
+        let rule = "absorber.restitution_table: the explorer takes none; give a number";
+        return Err(PyValueError::new_err(rule));
+    }
     let design = spec.design().map_err(invalid)?;
     if !takes(&design) {
         return Err(PyValueError::new_err(format!("force: {TAKEN}")));

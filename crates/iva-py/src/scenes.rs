@@ -2,6 +2,7 @@
 
 use iva_sweep::design::Spec;
 use iva_sweep::fields::Part;
+use iva_sweep::restitution_table;
 use iva_sweep::structure::{Entry, SECTION};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -9,18 +10,21 @@ use pyo3::types::{PyDict, PyList};
 use crate::arguments::{FORCES, RECORD};
 use crate::record::PyRecord;
 
-/// A dict `"part.field"` → number or word, under `"forces"` the list of forces, and under `"structure"` the
-/// entries of a structure with several modes.
+/// A dict `"part.field"` → number, word or the list of points of a table of the restitution, under `"forces"` the list of
+/// forces, and under `"structure"` the entries of a structure with several modes.
 pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDict>> {
     let scene = PyDict::new(py);
     let (part, count) = (Part::Absorber.name(), spec.count());
     for number in 0..count {
+        let path = |name: &str| match count {
+            1 => format!("{part}.{name}"),
+            _ => format!("{part}.{number}.{name}"),
+        };
         for (name, word) in spec.choices_of(number).words() {
-            let path = match count {
-                1 => format!("{part}.{name}"),
-                _ => format!("{part}.{number}.{name}"),
-            };
-            scene.set_item(path, word)?;
+            scene.set_item(path(name), word)?;
+        }
+        if let Some(table) = spec.restitution_table(number) {
+            scene.set_item(path(restitution_table::NAME), table.points())?;
         }
     }
     if let Some(structure) = spec.structure() {

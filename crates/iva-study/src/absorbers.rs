@@ -3,12 +3,13 @@
 use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::restitution_table;
 use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::source::Source;
-use crate::value::{Key, Value, at, entries, name, number, one_of, table, unknown_key};
+use crate::value::{Key, Value, as_number, at, entries, name, number, one_of, table, unknown_key};
 
 /// A section of an absorber, with the place that is named if something is missing in it.
 #[derive(Debug)]
@@ -99,6 +100,12 @@ pub(crate) fn read(
             if CHOICES.iter().any(|choice| choice.name == bare) {
                 continue;
             }
+            if bare == restitution_table::NAME {
+                let path = path(bare, absorber, count);
+                read_table(source, &path, value, (&mut *spec, absorber))?;
+                source.note(path, key.span().start..value.span().end);
+                continue;
+            }
             let Some(field) = FieldId::find(part, bare) else {
                 let known = known_keys(part, spec.choices_of(absorber).kind);
                 return Err(unknown_key(source, part.name(), key, &known));
@@ -110,6 +117,39 @@ pub(crate) fn read(
         }
     }
     Ok(())
+}
+
+/// Reads the table of the restitution of an absorber.
+///
+/// # Errors
+/// At what is no pair of numbers, and at a point that does not fit.
+fn read_table(
+    source: &Source,
+    path: &str,
+    value: &Value<'_>,
+    (spec, absorber): (&mut Spec, usize),
+) -> Result<(), Error> {
+    let rule = "give a list of pairs [approach speed, restitution]";
+    let DeValue::Array(items) = value.get_ref() else {
+        return Err(source.bad_value(path, value.span(), rule));
+    };
+    let pair = |item: &Value<'_>| -> Option<[f64; 2]> {
+        let numbers: Option<Vec<f64>> =
+            item.get_ref().as_array()?.iter().map(|number| as_number(number.get_ref())).collect();
+        numbers?.try_into().ok()
+    };
+    let mut points = Vec::with_capacity(items.len());
+    for (index, item) in items.iter().enumerate() {
+        let rule = "give a pair [approach speed, restitution]";
+        let wrong = || source.bad_value(&format!("{path}[{index}]"), item.span(), rule);
+        points.push(pair(item).ok_or_else(wrong)?);
+    }
+    spec.set_restitution_table(absorber, &points).map_err(|invalid| {
+        let place = invalid.field.strip_prefix(path).and_then(|it| it.strip_prefix('['));
+        let index = place.and_then(|it| it.split(']').next()?.parse::<usize>().ok());
+        let item = index.and_then(|index| items.get(index)).unwrap_or(value);
+        at(source, item.span(), &invalid)
+    })
 }
 
 /// Reads a field of `[start]` that is given as a list with a number for each absorber.
@@ -149,8 +189,145 @@ pub(crate) fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
     let words =
         CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
     let others: &[&str] = match part {
+        Part::Absorber if kind == Kind::Siva => &[restitution_table::NAME],
         Part::Run => &["tables", "measures", "samples_per_period", "errors"],
         _ => &[],
     };
     numbers.chain(words.map(|choice| choice.name)).chain(others.iter().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use iva_sweep::identity::Identity;
+
+    use crate::error::Error;
+    use crate::resolved::{resolve, write};
+    use crate::study_file::parse_study;
+
+    const ONE: &str = r#"version = 1
+[absorber]
+kind = "siva"
+mass_ratio = 0.1
+restitution_table = [[0, 1], [0.5, 0.7], [2e0, 0.6]]
+clearance = 0.5
+[start]
+displacement = 1
+[run]
+periods = 3
+"#;
+
+    const SEVERAL: &str = r#"version = 1
+[[absorber]]
+kind = "siva"
+mass_ratio = 0.1
+restitution = 0.5
+clearance = 0.5
+[[absorber]]
+kind = "siva"
+mass_ratio = 0.1
+clearance = 0.4
+restitution_table = [[0.1, 0.9], [1, 0.6]]
+[start]
+displacement = 1
+[run]
+periods = 3
+"#;
+
+    #[test]
+    fn a_table_that_is_written_reads_back_the_same() {
+        for (text, absorber, points) in [
+            (ONE, 0, &[[0.0, 1.0], [0.5, 0.7], [2.0, 0.6]][..]),
+            (SEVERAL, 1, &[[0.1, 0.9], [1.0, 0.6]]),
+        ] {
+            let file = resolve(&parse_study(Path::new("it.toml"), text).unwrap()).unwrap();
+            let again = parse_study(Path::new("again.toml"), &write(&file).unwrap()).unwrap();
+            assert_eq!(again.study, file.study);
+            assert!(again.study.design(0).is_ok());
+            let table = again.study.spec.restitution_table(absorber).unwrap();
+            assert_eq!(table.points(), points);
+            assert_eq!(again.study.spec.restitution_table(1 - absorber), None);
+        }
+    }
+
+    #[test]
+    fn an_axis_over_the_restitution_takes_the_place_of_a_table() {
+        for key in ["restitution", "yield_speed"] {
+            let text = format!("{ONE}[sweep]\n{key} = [0.5, 0.6]\n");
+            let file = resolve(&parse_study(Path::new("it.toml"), &text).unwrap()).unwrap();
+            assert_eq!(file.study.spec.restitution_table(0), None);
+            assert!(file.study.design(1).is_ok());
+        }
+        let text = format!("{SEVERAL}[sweep]\n\"absorber.0.restitution\" = [0.5, 0.6]\n");
+        let file = resolve(&parse_study(Path::new("it.toml"), &text).unwrap()).unwrap();
+        assert!(file.study.spec.restitution_table(1).is_some());
+    }
+
+    #[test]
+    fn another_table_makes_another_study() {
+        let identity = |text: &str| {
+            Identity::of(&parse_study(Path::new("it.toml"), text).unwrap().study).unwrap()
+        };
+        assert_eq!(identity(ONE), identity(&ONE.replace("2e0", "2.0")));
+        assert_ne!(identity(ONE), identity(&ONE.replace("2e0", "2.1")));
+        assert_ne!(identity(ONE), identity(&ONE.replace("0.7]", "0.71]")));
+        assert_ne!(identity(ONE), identity(&ONE.replace(", [2e0, 0.6]", "")));
+        assert_ne!(identity(SEVERAL), identity(&SEVERAL.replace("1, 0.6]", "1, 0.5]")));
+    }
+
+    #[test]
+    #[allow(clippy::panic)]
+    fn faults_of_a_table_are_told_at_their_places() {
+        let pendulum = ONE.replace("\"siva\"", "\"piva\"\nfrequency_ratio = 0.4\nlength = 10");
+        for (text, from, to, place, told) in [
+            (
+                ONE,
+                "[[0, 1], [0.5, 0.7], [2e0, 0.6]]",
+                "0.5",
+                (5, 21),
+                "= 0.5: give a list of pairs",
+            ),
+            (ONE, "[0.5, 0.7]", "[0.5]", (5, 30), "restitution_table[1] = [0.5]: give a pair"),
+            (ONE, "[0.5, 0.7]", "[0.5, \"no\"]", (5, 30), "restitution_table[1] = "),
+            (ONE, "[0.5, 0.7]", "[0.5, 7]", (5, 30), "[1].restitution = 7: give a number from 0"),
+            (ONE, "[2e0", "[0.5", (5, 42), "[2].speed = 0.5: give a speed above 0.5"),
+            (ONE, "[[0, 1], [0.5, 0.7], [2e0, 0.6]]", "[]", (5, 21), "give 1 to 16 points"),
+            (ONE, "mass_ratio", "restitution = 0.5\nmass_ratio", (4, 1), "give one of them"),
+            (ONE, "mass_ratio", "yield_speed = 0.5\nmass_ratio", (4, 1), "give one of them"),
+            (ONE, "mass_ratio", "reference_speed = 1\nmass_ratio", (4, 1), "give one of them"),
+            (
+                ONE,
+                "restitution_table",
+                "restitution_tabel",
+                (5, 1),
+                "did you mean `restitution_table`",
+            ),
+            (
+                SEVERAL,
+                "0.9]",
+                "1.9]",
+                (11, 22),
+                "absorber.1.restitution_table[0].restitution = 1.9",
+            ),
+            (
+                SEVERAL,
+                "clearance = 0.4",
+                "clearance = 0.4\nreference_speed = 1",
+                (11, 1),
+                "absorber.1.restitution_table is",
+            ),
+            (&pendulum, "0.7]", "0.8]", (7, 21), "only a free mass (kind \"siva\") has it"),
+        ] {
+            let text = text.replacen(from, to, 1);
+            let read = parse_study(Path::new("it.toml"), &text);
+            let Err(Error::Study(error)) = read.and_then(|file| resolve(&file)) else {
+                panic!("{to} is taken")
+            };
+            let shown = error.to_string();
+            assert!(shown.contains(told), "{told}: {shown}");
+            let found = error.place.as_ref().map(|place| (place.line, place.column));
+            assert_eq!(found, Some(place), "{shown}");
+        }
+    }
 }

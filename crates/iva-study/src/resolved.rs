@@ -8,6 +8,7 @@ use iva_sweep::cube::Method;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{Allowed, FieldId, Part};
 use iva_sweep::forces::ForceSpec;
+use iva_sweep::restitution_table;
 use iva_sweep::sampling::{Sample, Sampling};
 use iva_sweep::slot::Slot;
 use iva_sweep::study::Table;
@@ -29,7 +30,8 @@ pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
 /// Fills in the defaults, but not that of the chatter floor, which depends on the clearance of each point.
 fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
-    let mut spec = file.study.spec.emptied();
+    // Without the tables of the restitution that an axis replaces.
+    let mut spec = file.study.spec(0)?.emptied();
     let absorbers = spec.count();
     let sampling = &file.study.sampling;
     // A force may be given by axes alone.
@@ -142,6 +144,11 @@ fn write_absorbers(text: &mut String, spec: &Spec) {
             if slot.number.unwrap_or(0) == number {
                 let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
             }
+        }
+        if let Some(table) = spec.restitution_table(number) {
+            let points = table.points().iter().map(|[speed, e]| format!("[{speed:?}, {e:?}]"));
+            let points: Vec<String> = points.collect();
+            let _ = writeln!(text, "{} = [{}]", restitution_table::NAME, points.join(", "));
         }
     }
 }

@@ -66,6 +66,11 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
             add(&value.to_le_bytes());
         }
     }
+    for (path, table) in spec.tables() {
+        add(path.as_bytes());
+        add(&(table.points().len() as u64).to_le_bytes());
+        table.points().iter().flatten().for_each(|number| add(&number.to_le_bytes()));
+    }
     for (name, entry) in spec.structure().map_or(&[][..], |it| it.entries()) {
         add(name.as_bytes());
         // The shortest decimals of doubles tell them apart.

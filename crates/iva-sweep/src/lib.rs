@@ -33,6 +33,7 @@ pub mod identity;
 pub mod motion;
 #[cfg(feature = "sweeps")]
 pub mod plan;
+pub mod restitution_table;
 pub mod sampling;
 #[cfg(feature = "sweeps")]
 mod side_by_side;

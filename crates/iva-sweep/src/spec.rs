@@ -8,6 +8,7 @@ use crate::engine::given::Given;
 use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::{ForceSpec, Recorded};
+use crate::restitution_table::{NAME, RestitutionTable};
 use crate::slot::Slot;
 use crate::structure::Structure;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
@@ -19,6 +20,8 @@ pub struct Spec {
     choices: Choices,
     /// The values of all fields except those of forces, and of absorbers after the first.
     values: Values,
+    /// The table of the restitution of the first absorber, if one is given.
+    table: Option<RestitutionTable>,
     forces: Vec<ForceSpec>,
     /// The absorbers after the first.
     more: Vec<AbsorberSpec>,
@@ -35,6 +38,15 @@ struct AbsorberSpec {
     choices: Choices,
     /// The values of its fields, and of those of its start.
     values: Box<Values>,
+    /// The table of its restitution, if one is given.
+    table: Option<RestitutionTable>,
+}
+
+impl AbsorberSpec {
+    /// One without fields.
+    fn new(choices: Choices) -> Self {
+        Self { choices, values: Box::new([None; FIELD_COUNT]), table: None }
+    }
 }
 
 /// Largest number of absorbers.
@@ -50,7 +62,7 @@ impl Spec {
     /// A spec without fields.
     pub fn new(choices: Choices) -> Self {
         let (forces, more) = (Vec::new(), Vec::new());
-        Self { choices, values: [None; FIELD_COUNT], forces, more, structure: None }
+        Self { choices, values: [None; FIELD_COUNT], table: None, forces, more, structure: None }
     }
 
     /// A spec of several absorbers without fields.
@@ -68,19 +80,69 @@ impl Spec {
             let rule = "a list has absorbers only; leave it out";
             return Err(Invalid::new(format!("absorber.{number}.kind"), "\"none\"", rule));
         }
-        let others = others.iter();
-        let more =
-            others.map(|it| AbsorberSpec { choices: *it, values: Box::new([None; FIELD_COUNT]) });
+        let more = others.iter().copied().map(AbsorberSpec::new);
         Ok(Self { more: more.collect(), ..Self::new(*first) })
     }
 
-    /// A spec of the same absorbers and structure without fields and forces.
+    /// A spec of the same absorbers and structure without fields and forces: with what is no number alone.
     pub fn emptied(&self) -> Self {
         let more = self.more.iter();
         let more = more
-            .map(|it| AbsorberSpec { choices: it.choices, values: Box::new([None; FIELD_COUNT]) });
-        let structure = self.structure.clone();
-        Self { more: more.collect(), structure, ..Self::new(self.choices) }
+            .map(|it| AbsorberSpec { table: it.table.clone(), ..AbsorberSpec::new(it.choices) });
+        let (table, structure) = (self.table.clone(), self.structure.clone());
+        Self { more: more.collect(), table, structure, ..Self::new(self.choices) }
+    }
+
+    /// Gives the absorber of this number a table of its restitution, of points (approach speed, restitution).
+    ///
+    /// # Errors
+    /// As [`RestitutionLaw::table`](iva_core::absorber::restitution::RestitutionLaw::table), and for an absorber that is
+    /// not there or no free mass.
+    pub fn set_restitution_table(
+        &mut self,
+        absorber: usize,
+        points: &[[f64; 2]],
+    ) -> Result<(), Invalid> {
+        let path = self.table_path(absorber);
+        let table = RestitutionTable::new(&path, points)?;
+        // Those that have a restitution by another law.
+        let slot = Slot { number: Some(absorber), ..FieldId::YieldSpeed.into() };
+        self.check(slot).map_err(|rule| Invalid::new(path, table.shown(), rule))?;
+        if let Some(place) = self.table_mut(absorber) {
+            *place = Some(table);
+        }
+        Ok(())
+    }
+
+    /// The place of the table of the absorber of this number; `None` if there is no such absorber.
+    fn table_mut(&mut self, absorber: usize) -> Option<&mut Option<RestitutionTable>> {
+        match absorber.checked_sub(1) {
+            None => Some(&mut self.table),
+            Some(other) => self.more.get_mut(other).map(|it| &mut it.table),
+        }
+    }
+
+    /// The table of the restitution of the absorber of this number, if one is given.
+    pub fn restitution_table(&self, absorber: usize) -> Option<&RestitutionTable> {
+        match absorber.checked_sub(1) {
+            None => self.table.as_ref(),
+            Some(other) => self.more.get(other)?.table.as_ref(),
+        }
+    }
+
+    /// The path of that table, for messages.
+    pub(crate) fn table_path(&self, absorber: usize) -> String {
+        let slot = self.slot(FieldId::Restitution, absorber);
+        match slot.number {
+            Some(number) => format!("{}.{number}.{NAME}", Part::Absorber.name()),
+            None => format!("{}.{NAME}", Part::Absorber.name()),
+        }
+    }
+
+    /// The tables given, each with its path.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = (String, &RestitutionTable)> {
+        let table = |k| Some((self.table_path(k), self.restitution_table(k)?));
+        (0..self.count()).filter_map(table)
     }
 
     /// The same with a structure with several modes in the place of the primary.
@@ -243,6 +305,13 @@ impl Spec {
 
     /// Removes a field and its alternatives.
     pub(crate) fn clear(&mut self, slot: Slot) {
+        if slot.field.same_quantity(FieldId::Restitution) {
+            for absorber in self.reached(slot) {
+                if let Some(place) = self.table_mut(absorber) {
+                    *place = None;
+                }
+            }
+        }
         for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
             if other.info().part != Part::Force {
                 self.put(Slot { field: other, ..slot }, None);
@@ -287,6 +356,13 @@ impl Spec {
         for (index, (slot, value)) in given.iter().enumerate() {
             if let Some((earlier, _)) = given[..index].iter().find(|it| it.0.same_quantity(*slot)) {
                 let rule = format!("{} is given as well; give one of them", earlier.path());
+                return Err(Invalid::new(slot.path(), number(*value), rule));
+            }
+            let same = slot.field.same_quantity(FieldId::Restitution);
+            let absorber = slot.number.unwrap_or(0);
+            if same && self.restitution_table(absorber).is_some() {
+                let rule =
+                    format!("{} is given as well; give one of them", self.table_path(absorber));
                 return Err(Invalid::new(slot.path(), number(*value), rule));
             }
         }

@@ -23,6 +23,9 @@ pub struct Answer<T> {
     pub phase: f64,
 }
 
+/// What is to be told of what the theory does not have.
+const ALIKE: &str = "the theory is of one mass between two walls alike, in the middle, with one restitution; leave it out";
+
 fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     if spec.choices().kind != Kind::Siva {
         return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(&[Kind::Siva])));
@@ -41,6 +44,9 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
         return Err(Invalid::new(path, number(value), rule));
     }
     let common = given.common(&scale, units)?;
+    if let Some((path, table)) = spec.tables().next() {
+        return Err(Invalid::new(path, table.shown(), ALIKE));
+    }
     let same = spec.get(FieldId::Restitution);
     let other = spec.get(FieldId::RestitutionMinus).filter(|e| Some(*e) != same);
     let offset = |field| spec.get(field).filter(|offset| *offset != 0.0);
@@ -54,10 +60,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     ];
     match asymmetric.into_iter().find_map(|(field, value)| Some((field, value?))) {
         None => Ok((common, scale)),
-        Some((field, value)) => {
-            let rule = "the theory is of one mass between two walls alike, in the middle, with one restitution; leave it out";
-            Err(Invalid::new(field.path(), number(value), rule))
-        }
+        Some((field, value)) => Err(Invalid::new(field.path(), number(value), ALIKE)),
     }
 }
 

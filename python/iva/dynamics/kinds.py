@@ -151,11 +151,11 @@ def regimes(
             *scene, force=force, start=begin, cycles=cycles, discard=most_cycles, seeds=RUNS
         )
         # One value of a number that every absorber has: the scene itself.
-        assert absorber.restitution is not None
+        by = "mass_ratio" if absorber.mass_ratio is not None else "mass"
         strobes = diagram(
             *scene,
             force=force,
-            over={"restitution": [absorber.restitution]},
+            over={f"absorber.{by}": [getattr(absorber, by)]},
             direction="up",
             start=begin,
             discard=most_cycles,

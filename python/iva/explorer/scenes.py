@@ -42,12 +42,14 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     ------
     ValueError
         If it has more than one force, one that is not harmonic, a structure with several modes,
-        or friction.
+        friction, or a table of the restitution.
     """
     if "structure" in spec:
         raise ValueError("primary: the explorer takes no structure with several modes")
     if friction := spec.get("absorber.friction"):
         raise ValueError(f"absorber.friction = {friction:g}: the explorer takes none; leave it out")
+    if "absorber.restitution_table" in spec:
+        raise ValueError("absorber.restitution_table: the explorer takes none; give a number")
     words = {f"absorber.{word}" for word in WORDS}
     choices = {path.partition(".")[2]: str(spec[path]) for path in spec if path in words}
     numbers = {

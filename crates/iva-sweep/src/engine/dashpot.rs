@@ -51,11 +51,15 @@ pub(crate) fn given<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
 /// # Errors
 /// [`Invalid`] for a law.
 pub(super) fn no_law<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
+    let rule = "beside a dashpot in a gap the restitution is a number; leave it out";
     for field in [FieldId::ReferenceSpeed, FieldId::YieldSpeed] {
         if let Some(value) = given.spec.get_of(given.absorber, field) {
-            let rule = "beside a dashpot in a gap the restitution is a number; leave it out";
             return Err(Invalid::new(given.path(field), number(value), rule));
         }
+    }
+    if let Some(table) = given.spec.restitution_table(given.absorber) {
+        let path = given.spec.table_path(given.absorber);
+        return Err(Invalid::new(path, table.shown(), rule));
     }
     Ok(())
 }

@@ -142,6 +142,9 @@ fn named(error: Invalid) -> Invalid {
     }
 }
 
+/// What is to be told of a law of restitution.
+const NUMBER: &str = "on a structure with several modes the restitution is a number; leave it out";
+
 /// Checks that a scene has nothing that a structure with several modes does not take.
 fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
     let of_primary = |slot: Slot| slot.info().part == Part::Primary;
@@ -149,9 +152,7 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
         let rule = match slot.field {
             _ if of_primary(slot) => "the structure has it already; leave it out",
             FieldId::MassRatio => "on a structure with several modes give mass (kg)",
-            FieldId::ReferenceSpeed | FieldId::YieldSpeed => {
-                "on a structure with several modes the restitution is a number; leave it out"
-            }
+            FieldId::ReferenceSpeed | FieldId::YieldSpeed => NUMBER,
             FieldId::GapDampingRatio => {
                 "on a structure with several modes give gap_damping (N s/m)"
             }
@@ -163,6 +164,9 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             _ => continue,
         };
         return Err(Invalid::new(slot.path(), number(value), rule));
+    }
+    if let Some((path, table)) = given.spec.tables().next() {
+        return Err(Invalid::new(path, table.shown(), NUMBER));
     }
     let mut records = given.spec.forces().iter().filter_map(|force| force.record.as_ref());
     if records.any(|record| record.kind == RecordKind::Force) {

@@ -5,6 +5,7 @@
 //! | `restitution` | a number |
 //! | `restitution`, `reference_speed`, and `restitution_exponent` | a power law |
 //! | `yield_speed` | that of elastic and perfectly plastic spheres |
+//! | `restitution_table` | linear between points |
 
 use iva_core::absorber::restitution::RestitutionLaw;
 use iva_core::real::Real;
@@ -16,13 +17,17 @@ use crate::fields::{FieldId, quotient};
 /// b of a power law, unless it is given: that of viscoelastic spheres at low speeds.
 const EXPONENT: [u32; 2] = [1, 5];
 
-/// The restitution that must be given, of plastic spheres that of slow impacts.
+/// The restitution that must be given, of plastic spheres and of a table that of slow impacts.
 ///
 /// # Errors
 /// [`Invalid`] if it is missing.
 pub(super) fn restitution<R: Real>(given: &Given<'_, R>) -> Result<R, Invalid> {
     if given.get(FieldId::YieldSpeed).is_some() {
         return Ok(R::ONE);
+    }
+    let table = given.spec.restitution_table(given.absorber);
+    if let Some([_, slow]) = table.and_then(|table| table.points().first()) {
+        return Ok(R::given(*slow, false));
     }
     given.get(FieldId::Restitution).ok_or_else(|| {
         Invalid::missing(given.path(FieldId::Restitution), "give a number from 0 to 1")
@@ -43,11 +48,17 @@ pub(super) fn laws<R: Real>(
             Err(Invalid::new(given.path(field), number(value), rule))
         })
     };
-    if let Some(speed) = given.get(FieldId::YieldSpeed) {
-        use FieldId as F;
+    use FieldId as F;
+    let others = [F::Restitution, F::RestitutionMinus, F::ReferenceSpeed, F::RestitutionExponent];
+    if let Some(table) = given.spec.restitution_table(given.absorber) {
+        let path = given.spec.table_path(given.absorber);
+        let rule = format!("{path} is given as well; give one of them");
+        refused(&[F::YieldSpeed], rule.clone())?;
+        refused(&others, rule)?;
+        return Ok(Some([table.law(&path, omega)?; 2]));
+    }
+    if let Some(speed) = given.get(F::YieldSpeed) {
         let rule = format!("{} is given as well; give one of them", given.path(F::YieldSpeed));
-        let others =
-            [F::Restitution, F::RestitutionMinus, F::ReferenceSpeed, F::RestitutionExponent];
         refused(&others, rule)?;
         return Ok(Some([RestitutionLaw::plastic(speed / omega)?; 2]));
     }
