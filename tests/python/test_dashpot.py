@@ -50,7 +50,8 @@ def integrated(force: tuple[float, float], x0: float, end: float) -> list[Array]
 
     for event in (plus, minus):
         event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
-    t, z, found = 0.0, np.array([x0, 0.0, 0.0, 0.0]), []
+    t, z = 0.0, np.array([x0, 0.0, 0.0, 0.0])
+    found: list[Array] = []
     while True:
         step = solve_ivp(rates, (t, end), z, "DOP853", events=[plus, minus], rtol=1e-13, atol=1e-16)
         t, z = float(step.t[-1]), step.y[:, -1].copy()
