@@ -14,6 +14,7 @@ from iva.plots.arguments import Numbers, checked_run, values_of
 from iva.plots.labels import labelled
 from iva.plots.styles import (
     BLACK,
+    BLUE,
     GREEN,
     ORANGE,
     PURPLE,
@@ -32,7 +33,7 @@ COLOURS = {
     "impacts": VERMILLION,
     "pivot": PURPLE,
     "friction": GREEN,
-    "dashpot": PURPLE,
+    "dashpot": BLUE,
 }
 
 #: Of runs in SI units that give no other, in m/s².
