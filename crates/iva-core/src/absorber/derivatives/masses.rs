@@ -164,8 +164,11 @@ impl LinearStructure {
             count,
             struck.iter().map(|(_, slope)| 1.0 + slope),
         ));
-        // Positive definite.
-        let impulses = matrix.cholesky().map_or_else(|| changes.clone(), |it| it.solve(&changes));
+        // Positive definite, unless numbers have overflowed: then nothing can be estimated from there on.
+        let impulses = match matrix.cholesky() {
+            Some(factor) => factor.solve(&changes),
+            None => DMatrix::repeat(count, count, f64::NAN),
+        };
         DMatrix::from_columns(&pushed) * impulses
     }
 

@@ -122,12 +122,14 @@ impl<R: Real> ModalStructure<R> {
         Some(rate / (self.frequency(mode)? * 2.0))
     }
 
-    /// True if it has one mode, of frequency 1 and shape 1 at all points: it moves as one, in its own units.
+    /// True if it has one mode, of frequency 1 and shape 1 at all points, that takes all of the motion of its base: it moves as
+    /// one, in its own units.
     pub fn moves_as_one(&self) -> bool {
         let whole = |shape: &[R]| shape.iter().all(|phi| *phi == 1.0);
         self.count() == 1
             && self.frequency(0).is_some_and(|frequency| frequency == 1.0)
             && self.points.iter().all(|(_, shape)| whole(shape))
+            && self.participation().is_none_or(whole)
     }
 
     /// True if each mode has its own damping, and none exchanges energy with another in flight.
