@@ -1,6 +1,7 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
 //! mass with a spring and a dashpot in its gap; [`sliding`], a free mass with friction in its gap; [`several`], a list of
-//! free masses, each in a gap of its own; [`modal`], such a list on a structure with several modes.
+//! free masses, each in a gap of its own; [`mixed`], a list of free masses and pendulums; [`modal`], free masses on a structure with
+//! several modes.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.
@@ -16,6 +17,7 @@ pub mod coupled;
 pub mod derivatives;
 pub mod impact;
 mod impact_law;
+pub mod mixed;
 pub mod modal;
 mod on_structure;
 pub mod piva;

@@ -22,7 +22,7 @@ use crate::segment::taylor::{Pendulum, Series, Spring};
 
 pub(crate) use contact::distance;
 pub use motion::PivaFlight;
-pub(crate) use motion::{Known, PARTS};
+pub(crate) use motion::{Known, PARTS, fourth_bound};
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use start::{Given, PivaStart};
 pub use state::PivaState;
@@ -172,6 +172,11 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
         self.host.force()
     }
 
+    /// r² d + σ² b θ at a wall.
+    pub(crate) fn pull(&self) -> DoubleDouble<R> {
+        self.pull
+    }
+
     /// True if the pendulum can reach its walls: d < b, or small angles, where y is not limited.
     pub fn stop_reachable(&self) -> bool {
         self.pendulum.small_angles || self.parameters.clearance < self.parameters.contact_distance
@@ -192,7 +197,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
     }
 
     /// θ in a state.
-    fn angle_of(&self, state: &PivaState<Phase<H>, R>) -> R {
+    pub(crate) fn angle_of<P>(&self, state: &PivaState<P, R>) -> R {
         let sine = state.y().value / self.pendulum.contact_distance;
         if self.pendulum.small_angles { sine } else { R::atan2(sine, state.cosine.value) }
     }

@@ -43,7 +43,7 @@ mod state;
 pub const MOST: usize = 8;
 
 /// Contacts closer to each other than this, in units of 2⁻⁵²/ωn, are one event.
-const AT_ONCE_ULPS: f64 = 8.0;
+pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
 
 /// Free masses on a structure, N at most.
 #[derive(Debug, Clone)]

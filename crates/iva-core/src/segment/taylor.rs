@@ -25,6 +25,8 @@ pub use crate::number::series::{Number, ORDER, Row};
 
 use recurrence::Recurrence;
 pub use remainder::Remainder;
+pub(crate) use remainder::several::{InFlight, RemainderOfSeveral};
+pub(crate) use several::{Member, series_of_several};
 pub use spring::Spring;
 
 /// Runs code with an order of [`crate::absorber::piva`] as a constant.
@@ -54,6 +56,7 @@ pub(crate) use with_order;
 
 mod recurrence;
 mod remainder;
+mod several;
 mod spring;
 
 /// The orders in use.
@@ -216,10 +219,16 @@ impl<R: Real> Pendulum<R> {
     /// which nothing cancels however heavy the pendulum is.
     #[inline(always)]
     pub fn inertia<T: Number<Real = R>>(&self, y: T) -> T {
+        T::from_real(R::ONE) + self.own_inertia(y)
+    }
+
+    /// The part of [`Self::inertia`] that is the pendulum's.
+    #[inline(always)]
+    pub(crate) fn own_inertia<T: Number<Real = R>>(&self, y: T) -> T {
         let n = T::from_real;
         let sine = if self.small_angles { n(R::ZERO) } else { y / n(self.contact_distance) };
         let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
-        n(R::ONE) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
+        share * (n(self.inertia_ratio - 1.0) + sine * sine)
     }
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.

@@ -35,6 +35,7 @@ mod limits;
 mod lyapunov;
 mod masses_errors;
 mod measures;
+mod mixed;
 mod modal;
 mod modal_law;
 mod modal_reference;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use iva_core::{
     absorber::several::{Several, Starts},
-    absorber::{Absorber, OnStructure, Point, Start},
+    absorber::{Absorber, ImpactLaw, OnStructure, Point, Start},
     extremes::Extremes,
     flight::GapPoint,
     force::{Acts, Force, Harmonic, History, Impulse, Record},
@@ -186,6 +186,24 @@ fn held<H: Host<Real = f64>, const N: usize>(
         assert!((gap.y - offset).abs() <= *d);
     }
     (run.episodes.len(), counted)
+}
+
+/// Of two impacts at one instant each loses the work of its own impulse: an elastic one nothing, whatever the other does.
+#[test]
+fn each_impact_loses_the_work_of_its_own_impulse() {
+    let mut rng = Rng::new(101);
+    for _ in 0..50 {
+        let speeds = [rng.range(0.1, 1.0), rng.range(0.1, 1.0)];
+        let touching = |k: usize, e: f64| -> Mass { [[0.3, 0.8][k], e, 1.0, 0.0, 1.0, speeds[k]] };
+        let masses = [touching(0, 1.0), touching(1, rng.range(0.0, 0.9))];
+        let system = Several::new(0.0, masses.map(built)).unwrap();
+        let before = system.begin(&start([0.2, rng.range(-1.0, 1.0)], &masses));
+        let of = |k: usize| system.impact(&system.turned_to(&before, k), 0.0);
+        let [(after, elastic), (_, other)] = [of(0), of(1)];
+        assert_eq!(elastic.energy_loss, 0.0);
+        let lost = system.energy(&before) - system.energy(&after);
+        assert!((lost - other.energy_loss).abs() < 1e-14, "{lost} {}", other.energy_loss);
+    }
 }
 
 /// Energy under all that can drive a structure at once: a force, a record on a moving base, and impulses, which come while

@@ -39,11 +39,11 @@ impl<R: Real> Accuracy<R> {
 }
 
 /// Factor of each further shortening of a step.
-const SHORTER: f64 = 0.84;
+pub(crate) const SHORTER: f64 = 0.84;
 /// Largest number of further shortenings of a step, down to 2⁻²⁰ of it.
-const MOST_SHORTENINGS: u32 = 80;
+pub(crate) const MOST_SHORTENINGS: u32 = 80;
 /// Largest number of halvings of a step on which no bound can be proved, down to 2⁻²⁰ of it.
-const MOST_HALVINGS: u32 = 20;
+pub(crate) const MOST_HALVINGS: u32 = 20;
 
 /// The share of a step on which its series leaves out no more than the tolerance.
 pub(super) fn share_kept<R: Real>(
@@ -104,7 +104,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
 
 /// A little less than excess^(−1/order), but not less than a fifth.
 #[inline(always)]
-fn shortening<R: Real>(excess: R, order: usize) -> f64 {
+pub(crate) fn shortening<R: Real>(excess: R, order: usize) -> f64 {
     // e^(−z) by a series cut off at a negative term.
     let z = R::log2_above(excess) * (LN_2 / order as f64);
     let z = if z < 1.5 { z } else { 1.5 };

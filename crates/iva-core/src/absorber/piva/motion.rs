@@ -2,7 +2,7 @@
 
 use super::gap::Gap;
 use super::integrals::{Integrands, square};
-use super::step::{Step, Turning};
+use super::step::Step;
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::absorber::{Absorber, Point, Wall};
 use crate::force::Drive;
@@ -168,7 +168,7 @@ impl<R: Real, H: Host<Real = R>> PivaFlight<'_, H> {
 pub(crate) const PARTS: u32 = 4;
 
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
-fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
+pub(crate) fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
     (4..=ORDER).rev().fold(R::ZERO, |sum, k| {
         let k_ = k as f64;
         sum * share + y[k].abs() * (k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0))
@@ -249,11 +249,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             #[inline(always)]
             || with_order!(order, N => self.step().turning::<N>(end, length)),
         );
-        match turning {
-            Turning { decided: false, .. } => Turns::Unknown,
-            Turning { turns: false, .. } => Turns::Never,
-            Turning { h, x, .. } => Turns::Once(h, x),
-        }
+        turning.as_turns()
     }
 
     fn primary(&self, h: R) -> Jet<R> {

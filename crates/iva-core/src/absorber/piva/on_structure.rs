@@ -34,21 +34,7 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Piva<H> {
 
     fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
-        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
-        let Pendulum { lever, contact_distance, .. } = self.pendulum;
-        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
-        let sine = y / contact_distance;
-        // 1 − cosθ without cancellation (θ²/2 at small angles).
-        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
-        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        let moving = (x * x + v * v) * 0.5;
-        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
-        let Spring { stiffness, .. } = self.pendulum.spring;
-        if stiffness == 0.0 {
-            return whole;
-        }
-        let turned = self.angle_of(state) * length;
-        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
+        self.energy_with((x * x + v * v) * 0.5, state)
     }
 
     fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
@@ -69,5 +55,26 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Piva<H> {
             released: false,
             ..*state
         }
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Piva<H> {
+    /// An energy and that of the pendulum in a state.
+    pub(crate) fn energy_with<P>(&self, moving: R, state: &PivaState<P, R>) -> R {
+        let v = state.primary.v.value;
+        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
+        let Pendulum { lever, contact_distance, .. } = self.pendulum;
+        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
+        let sine = y / contact_distance;
+        // 1 − cosθ without cancellation (θ²/2 at small angles).
+        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
+        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
+        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
+        let Spring { stiffness, .. } = self.pendulum.spring;
+        if stiffness == 0.0 {
+            return whole;
+        }
+        let turned = self.angle_of(state) * length;
+        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
     }
 }

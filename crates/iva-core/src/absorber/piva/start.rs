@@ -44,6 +44,13 @@ impl<R: Real> From<Start<R>> for PivaStart<R> {
     }
 }
 
+impl<R: Real> PivaStart<R> {
+    fn structure(&self) -> Primary<R> {
+        let [x, v] = [self.displacement, self.velocity].map(DoubleDouble::new);
+        Primary { x, v }
+    }
+}
+
 /// Position and velocity of the pendulum at the start.
 #[derive(Debug, Clone, Copy)]
 struct Pose<R = f64> {
@@ -80,7 +87,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
-    pub(super) fn check(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
+    pub(crate) fn check(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
         range::size("start.displacement", start.displacement)?;
         range::size("start.velocity", start.velocity)?;
         let Pose { y, cosine, w } = self.pose(start);
@@ -135,17 +142,25 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
         time: Clock<R>,
     ) -> PivaState<Phase<H>, R> {
         let phase = self.host.begin_at(time);
-        let primary = Primary {
-            x: DoubleDouble::new(start.displacement),
-            v: DoubleDouble::new(start.velocity),
-        };
+        let primary = start.structure();
+        let pull = self.host.free().acceleration(&phase, &primary).value;
+        let leaning = [pull].into_iter().chain(self.host.leaning(&phase));
+        self.placed(start, leaning).with_phase(phase)
+    }
+
+    /// The first state without drive; `leaning`: what moves the structure after a start at rest.
+    pub(crate) fn placed(
+        &self,
+        start: &PivaStart<R>,
+        leaning: impl IntoIterator<Item = R>,
+    ) -> PivaState<(), R> {
+        let primary = start.structure();
         let Pose { y, cosine, w } = self.pose(start);
         // Distances are measured from the wall that the pendulum is nearest to or moves towards, so that a
         // mirrored start gives the same numbers with opposite signs.
-        let pull = self.host.free().acceleration(&phase, &primary).value;
-        let side = [y, w, start.displacement, start.velocity, pull]
+        let side = [y, w, start.displacement, start.velocity]
             .into_iter()
-            .chain(self.host.leaning(&phase))
+            .chain(leaning)
             .find(|value| *value != 0.0)
             .unwrap_or(R::ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
@@ -161,7 +176,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
             _ => DoubleDouble::new(w),
         };
         PivaState {
-            phase,
+            phase: (),
             primary,
             wall,
             distance: if touching { DoubleDouble::ZERO } else { distance },

@@ -1,11 +1,12 @@
 //! The state of a structure and its pendulum between events.
 
+use super::STEEP;
 use crate::absorber::Wall;
 use crate::host::oscillator::Primary;
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::{Pendulum, Swing};
+use crate::segment::taylor::{Pendulum, Swing, refined_cosine};
 
 /// The state of primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,13 +66,23 @@ impl<R: Real, P> PivaState<P, R> {
 
     /// The same to twice the precision, with this cosine.
     #[inline(always)]
-    pub(super) fn precise_swing(
+    pub(crate) fn precise_swing(
         &self,
         pendulum: &Pendulum<R>,
         c: DoubleDouble<R>,
     ) -> Swing<DoubleDouble<R>> {
         let (y, Primary { x, v }) = (self.y(), self.primary);
         Swing { x, u: v, y, w: self.w, c, arc: pendulum.arc(y, c) }
+    }
+
+    /// cosθ to twice the precision.
+    #[inline(always)]
+    pub(crate) fn precise_cosine(&self, pendulum: &Pendulum<R>) -> DoubleDouble<R> {
+        let sine = self.y().over(pendulum.contact_distance);
+        // Where the angle is steep the carried cosine knows it better than y does.
+        let steep = pendulum.small_angles || sine.value.abs() >= STEEP;
+        let precise = refined_cosine(sine, self.cosine.value);
+        if steep { self.cosine } else { precise }
     }
 
     /// Distance to a wall.

@@ -9,9 +9,10 @@ use crate::host::oscillator::Primary;
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::flight::Turns;
 use crate::segment::polynomial::horners;
 use crate::segment::quintic::{monomials, root};
-use crate::segment::taylor::{ORDER, Pendulum, Row, Series, refined_cosine, unrolled};
+use crate::segment::taylor::{ORDER, Pendulum, Row, Series, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
 pub(crate) const STEEP: f64 = 0.7;
@@ -48,10 +49,20 @@ impl<R: Real, P: Copy> Step<'_, P, R> {
         if N < ORDER {
             return self.state::<N>(h);
         }
-        let (t, from, series) = (h / self.length, self.from, self.series);
         let cosine = self.precise_cosine();
-        let start = from.precise_swing(self.pendulum, cosine);
-        let first: Series<DoubleDouble<R>, 2> = self.pendulum.beginning(&start, drive);
+        let start = self.from.precise_swing(self.pendulum, cosine);
+        self.arrived::<N>(h, cosine, &self.pendulum.beginning(&start, drive))
+    }
+
+    /// [`Self::arrival`] at full accuracy, from the precise cosine and the linear terms.
+    #[inline(always)]
+    pub fn arrived<const N: usize>(
+        &self,
+        h: R,
+        cosine: DoubleDouble<R>,
+        first: &Series<DoubleDouble<R>, 2>,
+    ) -> PivaState<P, R> {
+        let (t, from, series) = (h / self.length, self.from, self.series);
         let [x, u, y, w, c] =
             from_two::<_, N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
         let increment = |first: DoubleDouble<R>, beyond: R| first.times(h).plus(t * t * beyond);
@@ -70,12 +81,7 @@ impl<R: Real, P: Copy> Step<'_, P, R> {
     /// cosθ where the step begins, to twice the precision.
     #[inline(always)]
     pub fn precise_cosine(&self) -> DoubleDouble<R> {
-        let (pendulum, from) = (self.pendulum, self.from);
-        let sine = from.y().over(pendulum.contact_distance);
-        // Where the angle is steep the carried cosine knows it better than y does.
-        let steep = pendulum.small_angles || sine.value.abs() >= STEEP;
-        let precise = refined_cosine(sine, from.cosine.value);
-        if steep { from.cosine } else { precise }
+        self.from.precise_cosine(self.pendulum)
     }
 
     /// A later state, with its angle from the distance; `own`: the cosine from its own series.
@@ -136,6 +142,17 @@ pub(crate) struct Turning<R = f64> {
     pub turns: bool,
     pub h: R,
     pub x: R,
+}
+
+impl<R: Real> Turning<R> {
+    /// What is known of the extrema of x in the step.
+    pub fn as_turns(&self) -> Turns<R> {
+        match *self {
+            Turning { decided: false, .. } => Turns::Unknown,
+            Turning { turns: false, .. } => Turns::Never,
+            Turning { h, x, .. } => Turns::Once(h, x),
+        }
+    }
 }
 
 laned!(Turning, Turnings { decided: bool, turns: bool, h: f64, x: f64 });

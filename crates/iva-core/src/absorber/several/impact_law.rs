@@ -12,10 +12,11 @@
 //!
 //! ```text
 //! Δv = Σ_I μ (1 + e) w / T,     T = 1 + Σ_I μ + Σ_L μ,
-//! loss_i = ½ μᵢ (1 + eᵢ) wᵢ ((1 − eᵢ) wᵢ − Σ_I μ (1 − e) w / T).
+//! loss_i = ½ μᵢ (1 − eᵢ) wᵢ ((1 + eᵢ) wᵢ − Δv).
 //! ```
 //!
-//! Masses in flight keep their velocity. A stuck mass is in L if Δv moves its wall towards it; otherwise it is left
+//! With unlike e an instant of several impacts may gain energy: a fast elastic mass can throw the wall at a slow one that
+//! hardly returns, which then pulls (see [`crate::absorber::modal`]). Masses in flight keep their velocity. A stuck mass is in L if Δv moves its wall towards it; otherwise it is left
 //! behind, and flies. The sign of Δv does not depend on L, so that there is one solution. A mass that would be left behind
 //! for less than rounding of the clock is carried. For a single mass on a structure
 //! that carries none these are the formulas of [`crate::absorber::impact`].
@@ -103,12 +104,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             mass.stuck &= carried(k);
         }
         let mut after = self.jumped(&left, gained);
-        let mut approach = R::ZERO;
         for (k, restitution) in restitutions.iter().enumerate() {
             let (Some(e), before) = (*restitution, &state.masses[k]) else { continue };
             after.masses[k].rate = before.rate.product(DoubleDouble::new(-e));
-            let w = -before.side * before.rate.value;
-            approach += self.masses[k].mass_ratio * (R::ONE - e) * w;
         }
         let (before, after_it) = (self.primary(state), self.primary(&after));
         let Some((mass, place)) = self.seen(state) else {
@@ -117,7 +115,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
         };
         let e = mass.law_for(place.side, -place.rate.value).restitution;
         let w = -place.side * place.rate.value;
-        let opposed = (R::ONE - e) * w - approach / together.value;
+        let opposed = (R::ONE + e) * w - gained.value;
         let impact = Impact {
             time,
             absorber: state.at_hand,
@@ -128,7 +126,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             gap_velocity_before: w,
             gap_velocity_after: -e * w,
             lever: R::ONE,
-            energy_loss: mass.mass_ratio * 0.5 * (R::ONE + e) * w * opposed,
+            energy_loss: mass.mass_ratio * 0.5 * (R::ONE - e) * w * opposed,
         };
         (after, impact)
     }

@@ -202,68 +202,71 @@ impl<R: Real> Sums<R> {
     }
 }
 
-/// Bounds on the defects of the polynomials in the equations of motion, over sᴺ.
-struct Defects<R> {
-    /// H, the length of the step times the share that the bound is for.
-    length: R,
-    /// Upper bound on 1/D.
-    over_inertia: R,
-    /// Bound on ρ/D, the defect of the acceleration.
-    acceleration: R,
-    x: R,
-    u: R,
+/// Bounds on the defects of the polynomials in the equations of one pendulum, over sᴺ.
+struct Own<R> {
     y: R,
     bc: R,
+    /// That of Ẇ over H, but for what comes through a.
     w: R,
+    /// μλ times what is missing in ÿ: its part of ρ.
+    pulled: R,
     arc: R,
 }
 
-impl<R: Real> Defects<R> {
+impl<R: Real> Own<R> {
+    #[inline(always)]
+    fn new(pendulum: &Pendulum<R>, sums: &Sums<R>, length: R, order: usize) -> Self {
+        let Pendulum { mass_ratio, contact_distance: b, lever, coupling, .. } = *pendulum;
+        let y = length * sums.cw;
+        let bc = if pendulum.small_angles { R::ZERO } else { length * sums.yw / b };
+        let arc_last = length * sums.w_before / (order as f64);
+        let w = coupling * sums.ca
+            + pendulum.frequency_squared * sums.y_last
+            + pendulum.spring.defect(arc_last)
+            + pendulum.pivot_damping * sums.w_last;
+        let through_gap = sums.cw_rate / length + sums.w * bc / (length * b) + w;
+        let arc = if pendulum.spring.acts { length * sums.w_last } else { R::ZERO };
+        Self { y, bc, w, pulled: mass_ratio * lever * through_gap, arc }
+    }
+
+    /// δ of the gap: those of y, W/F, b c and φ together, where the acceleration has this defect.
+    #[inline(always)]
+    fn delta(&self, pendulum: &Pendulum<R>, acceleration: R, length: R, fastest: R) -> R {
+        let w = length * (self.w + pendulum.coupling * acceleration);
+        let turned = R::larger(w / fastest, self.arc);
+        R::larger(R::larger(self.y, self.bc), turned)
+    }
+
+    /// How far c² + y²/b² is from 1, as a share of what the bounds allow.
+    #[inline(always)]
+    fn off_circle(&self, pendulum: &Pendulum<R>) -> R {
+        let over_b = R::ONE / pendulum.contact_distance;
+        let circle = (self.y + self.bc) * over_b * 4.0;
+        circle * (pendulum.mass_ratio + 1.0) / (WIDER - 1.0)
+    }
+}
+
+/// Bounds on partial derivatives in the equations of one pendulum, on the neighbourhood.
+struct Slopes<R> {
+    /// Of a by the gap.
+    by_gap: R,
+    /// Of ẏ and b ċ.
+    swung: R,
+    /// Of Ẇ by the gap.
+    own: R,
+}
+
+impl<R: Real> Slopes<R> {
+    /// `acceleration`: the sum of the sizes of the coefficients of a, and its defect.
     #[inline(always)]
     fn new(
         pendulum: &Pendulum<R>,
         sums: &Sums<R>,
-        driven: [R; 2],
-        length: R,
-        order: usize,
+        (acceleration, over_inertia): (R, R),
+        (fastest, length): (R, R),
     ) -> Self {
-        let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, coupling, .. } =
-            *pendulum;
-        let y = length * sums.cw;
-        let bc = if pendulum.small_angles { R::ZERO } else { length * sums.yw / b };
-        let arc_last = length * sums.w_before / (order as f64);
-        let own = coupling * sums.ca
-            + pendulum.frequency_squared * sums.y_last
-            + pendulum.spring.defect(arc_last)
-            + pendulum.pivot_damping * sums.w_last;
-        // D = 1 + μ − (μ/κ) c².
-        let freed = R::ONE + mass_ratio * (R::ONE - R::ONE / pendulum.inertia_ratio);
-        let over_inertia = R::from(WIDER) / freed;
-        let through_gap = sums.cw_rate / length + sums.w * bc / (length * b) + own;
-        let residual = mass_ratio * lever * through_gap
-            + sums.x_last
-            + damping_ratio * 2.0 * sums.u_last
-            + driven[0];
-        let acceleration = residual * over_inertia;
-        Self {
-            length,
-            over_inertia,
-            acceleration,
-            x: length * sums.u_last,
-            u: length * (acceleration + driven[1]),
-            y,
-            bc,
-            w: length * (own + coupling * acceleration),
-            arc: if pendulum.spring.acts { length * sums.w_last } else { R::ZERO },
-        }
-    }
-
-    /// Bounds on the error at s = 1, and the share of the neighbourhood that they need; ∞ if nothing is proved.
-    #[inline(always)]
-    fn grown(&self, pendulum: &Pendulum<R>, fastest: R, sums: &Sums<R>, order: f64) -> [R; 3] {
         let Pendulum {
             mass_ratio,
-            damping_ratio,
             contact_distance: b,
             lever,
             coupling,
@@ -277,19 +280,70 @@ impl<R: Real> Defects<R> {
         // Bounds on θ̇ = W/b and on β a/b on the neighbourhood; at small angles neither has an effect.
         let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
         let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
-        let pull = coupling * (sums.a + self.acceleration) * over_b;
+        let pull = coupling * acceleration * over_b;
         let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
         let wide = R::from(WIDER);
-        // Partial derivatives of a: by x and u together, by y, W/F, b c and φ together.
-        let by_primary = (R::ONE + damping_ratio * 2.0) * self.over_inertia;
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
-        let wound = spring.steepness(self.length * turning);
+        let wound = spring.steepness(length * turning);
         let hanging = (r2 + nonlinear(r2) + wound + fastest * nu) * wide;
-        let by_gap = (centrifugal + hanging + pulled * wide * 2.0)
-            * (mass_ratio * lever * self.over_inertia);
-        let growth = self.length / (order + 2.0);
-        let swung = turning + fastest * wide; // of y, of b c
-        let own = coupling * by_gap * wide + pulled + r2 + wound; // of W
+        let by_gap =
+            (centrifugal + hanging + pulled * wide * 2.0) * (mass_ratio * lever * over_inertia);
+        let own = coupling * by_gap * wide + pulled + r2 + wound;
+        Self { by_gap, swung: turning + fastest * wide, own }
+    }
+}
+
+/// Partial derivatives of a by x and u together.
+#[inline(always)]
+fn by_primary<R: Real>(damping_ratio: R, over_inertia: R) -> R {
+    (R::ONE + damping_ratio * 2.0) * over_inertia
+}
+
+/// Bounds on the defects of the polynomials in the equations of motion, over sᴺ.
+struct Defects<R> {
+    /// H, the length of the step times the share that the bound is for.
+    length: R,
+    /// Upper bound on 1/D.
+    over_inertia: R,
+    /// Bound on ρ/D, the defect of the acceleration.
+    acceleration: R,
+    x: R,
+    u: R,
+    own: Own<R>,
+}
+
+impl<R: Real> Defects<R> {
+    #[inline(always)]
+    fn new(
+        pendulum: &Pendulum<R>,
+        sums: &Sums<R>,
+        driven: [R; 2],
+        length: R,
+        order: usize,
+    ) -> Self {
+        let Pendulum { mass_ratio, damping_ratio, .. } = *pendulum;
+        let own = Own::new(pendulum, sums, length, order);
+        // D = 1 + μ − (μ/κ) c².
+        let freed = R::ONE + mass_ratio * (R::ONE - R::ONE / pendulum.inertia_ratio);
+        let over_inertia = R::from(WIDER) / freed;
+        let residual = own.pulled + sums.x_last + damping_ratio * 2.0 * sums.u_last + driven[0];
+        let acceleration = residual * over_inertia;
+        let (x, u) = (length * sums.u_last, length * (acceleration + driven[1]));
+        Self { length, over_inertia, acceleration, x, u, own }
+    }
+
+    /// Bounds on the error at s = 1, and the share of the neighbourhood that they need; ∞ if nothing is proved.
+    #[inline(always)]
+    fn grown(&self, pendulum: &Pendulum<R>, fastest: R, sums: &Sums<R>, order: f64) -> [R; 3] {
+        let Pendulum { damping_ratio, contact_distance, coupling, pivot_damping: nu, .. } =
+            *pendulum;
+        let Self { length, over_inertia, acceleration, .. } = *self;
+        let over_b = R::ONE / contact_distance;
+        let wide = R::from(WIDER);
+        let by_primary = by_primary(damping_ratio, over_inertia);
+        let pushed = (sums.a + acceleration, over_inertia);
+        let Slopes { by_gap, swung, own } = Slopes::new(pendulum, sums, pushed, (fastest, length));
+        let growth = length / (order + 2.0);
         let gap = R::larger(swung, own / fastest + nu) * growth;
         let primary = R::larger(R::ONE, by_primary) * growth;
         let to_primary = by_gap * growth;
@@ -298,21 +352,21 @@ impl<R: Real> Defects<R> {
         let [kept_primary, kept_gap] = [R::ONE - primary, R::ONE - gap];
         let determinant = kept_primary * kept_gap - to_primary * to_gap;
         let grown = (R::from(MARGIN) / (order + 1.0)) / determinant;
-        let turned = R::larger(self.w / fastest, self.arc);
-        let delta = [R::larger(self.x, self.u), R::larger(R::larger(self.y, self.bc), turned)];
+        let delta =
+            [R::larger(self.x, self.u), self.own.delta(pendulum, acceleration, length, fastest)];
         let of_primary = (kept_gap * delta[0] + to_primary * delta[1]) * grown;
         let of_gap = (kept_primary * delta[1] + to_gap * delta[0]) * grown;
         // Within the neighbourhood: y, W and c, a, and D by how far c² + y²/b² is from 1.
         let acceleration = by_primary * of_primary + by_gap * of_gap;
-        let circle = (self.y + self.bc) * over_b * 4.0;
         let within = [of_gap * fastest * over_b, acceleration * coupling * over_b]
             .map(|it| it / NEIGHBOURHOOD)
             .into_iter()
-            .fold(circle * (mass_ratio + 1.0) / (WIDER - 1.0), R::larger);
+            .fold(self.own.off_circle(pendulum), R::larger);
         let bounded = (kept_primary > 0.0) & (kept_gap > 0.0) & (determinant > 0.0);
         [of_primary, of_gap, within].map(|it| if bounded { it } else { R::INFINITY })
     }
 }
 
+pub(super) mod several;
 #[cfg(test)]
 mod tests;
