@@ -478,6 +478,12 @@ class Piva(Part):
         Total play 2d > 0, in the unit of lengths.
     gap_mm : float, optional
         The same in mm; SI units only.
+    units : float, optional
+        Number of equal units that share the mass, 1 to 8, each between stops of its own; 1 by
+        default. Tables number them in their column ``absorber``.
+    clearance_spread : float, optional
+        How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
+        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike move as one.
     frequency_ratio : float, optional
         r = ωp/ωn > 0, frequency of the hanging pendulum over that of the bare primary system.
     length : float, optional
@@ -528,6 +534,8 @@ class Piva(Part):
     clearance_mm: float | None = None
     gap: float | None = None
     gap_mm: float | None = None
+    units: float | None = None
+    clearance_spread: float | None = None
     frequency_ratio: float | None = None
     length: float | None = None
     gravity: float | None = None

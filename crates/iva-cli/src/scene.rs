@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::{FieldId, Quantity};
-use iva_sweep::scene::{Absorber, Acts, Harmonic};
+use iva_sweep::scene::{Absorber, Acts, Harmonic, Parameters};
 use iva_sweep::structure::Structure;
 use iva_sweep::study::Study;
 use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
@@ -38,15 +38,17 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     };
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}", wrap(&structure));
-    let (kind, count) = (study.spec.choices().kind, study.spec.count());
+    let count = study.spec.count();
     for number in 0..count {
         let kind = study.spec.choices_of(number).kind;
         let at = several.and_then(|structure| structure.absorber_at(number, count).ok());
         let told = absorber(&designs, (number, count), kind, (law(study, number), at));
         let _ = writeln!(out, "{}", wrap(&told));
-    }
-    if kind == Kind::Piva {
-        let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
+        if kind == Kind::Piva {
+            // The first of the units of an absorber stands for all.
+            let place = study.spec.owners().position(|owner| owner == number);
+            let _ = writeln!(out, "{}", wrap(&pendulum(&designs, place.unwrap_or(0), units)));
+        }
     }
     for line in forces(&designs, units) {
         let _ = writeln!(out, "{}", wrap(&line));
@@ -273,20 +275,22 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     lines
 }
 
-/// The line on the pendulum: frequency ratio, spring, length, gravity, and stops out of reach.
-fn pendulum(designs: &[Design], units: UnitSystem) -> String {
-    let ratio =
-        range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.frequency_ratio));
+/// The line on a pendulum, which has this place among all absorbers: frequency ratio, spring, length, gravity, and stops out
+/// of reach.
+fn pendulum(designs: &[Design], place: usize, units: UnitSystem) -> String {
+    let of = |read: fn(&Parameters) -> f64| {
+        range(designs, |design| design.scene.pendulum_of(place).map_or(f64::NAN, read))
+    };
+    let ratio = of(|pendulum| pendulum.frequency_ratio);
     let mut text = format!("Pendulum: frequency ratio {ratio}");
-    let spring = |design: &Design| design.scene.pendulum().map_or(0.0, |p| p.spring_ratio);
+    let spring = |design: &Design| design.scene.pendulum_of(place).map_or(0.0, |p| p.spring_ratio);
     if designs.iter().any(|design| spring(design) != 0.0) {
         let _ = write!(text, ", spring ratio {}", range(designs, spring));
     }
     if designs.iter().all(|design| design.scene.has_angle()) {
         let si = units == UnitSystem::Si;
         let (metre, gravity_unit) = if si { (" m", " m/s²") } else { ("", "") };
-        let length =
-            range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.length));
+        let length = of(|pendulum| pendulum.length);
         let gravity = range(designs, |design| design.scene.gravity().unwrap_or(f64::NAN));
         let _ = write!(text, ", length {}{metre}, gravity {gravity}{gravity_unit}", length);
     }

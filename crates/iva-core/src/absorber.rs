@@ -143,6 +143,11 @@ pub trait Absorber: ImpactLaw {
     fn lever(&self) -> Self::Real {
         Self::Real::ONE
     }
+    /// [`Absorber::lever`] of the absorber of this index.
+    #[inline(always)]
+    fn lever_of(&self, _absorber: usize) -> Self::Real {
+        self.lever()
+    }
 
     /// Checks that a start lies in the gap.
     ///

@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
 use iva_sweep::Invalid;
-use iva_sweep::choices::{Angles, Choices, Kind};
+use iva_sweep::choices::Choices;
 use iva_sweep::columns::{Better, columns, ranked};
 use iva_sweep::design::{Design, Spec};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::gradients as slopes;
 use iva_sweep::motion as paths;
 use iva_sweep::sampling::Sampling;
+use iva_sweep::scene::Angles;
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{self as engine, SweepError};
@@ -125,7 +126,7 @@ pub fn design<'py>(
     let stiffness = scale.natural_frequency * scale.natural_frequency;
     let along = scene.gravity_along().map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
-    let parameters = scene.pendulum().filter(|_| spec.choices().kind == Kind::Piva);
+    let parameters = scene.pendulum_of(number);
     let pendulum = parameters.map(|pendulum| {
         let own = PyDict::new(py);
         let hangs = scene.has_angle();
@@ -135,7 +136,7 @@ pub fn design<'py>(
         own.set_item("frequency", pendulum.frequency_ratio * scale.natural_frequency)?;
         own.set_item("damping_ratio", pendulum.pivot_damping_ratio)?;
         own.set_item("spring_frequency", pendulum.spring_ratio * scale.natural_frequency)?;
-        own.set_item("small", spec.choices().angles == Angles::Small)?;
+        own.set_item("small", pendulum.angles == Angles::Small)?;
         PyResult::Ok(own)
     });
     numbers.set_item("pendulum", pendulum.transpose()?)?;

@@ -268,8 +268,8 @@ fields! {
     GapOffsetMm: Absorber "gap_offset_mm" Millimetre Size "gap_offset" "the same in mm" Siva;
     ContactTime: Absorber "contact_time" Time Positive "contact_time" "how long an impact lasts, to estimate its largest force; the motion does not depend on it" Siva;
     ContactStiffness: Absorber "contact_stiffness" Stiffness Positive "contact_time" "stiffness of a stop, to estimate how long an impact lasts; needs a primary mass" Siva;
-    Units: Absorber "units" Count Units "units" "number of equal units that share the mass, each in a gap of its own (default 1)" Siva;
-    ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva;
+    Units: Absorber "units" Count Units "units" "number of equal units that share the mass, each in a gap of its own (default 1)" Siva Piva;
+    ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva Piva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity" Siva;

@@ -47,9 +47,14 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
             hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
     };
-    for (name, word) in study.spec.choices().words() {
-        if CHOICES.iter().all(|choice| (choice.name, choice.words[0]) != (name, word)) {
-            add(word.as_bytes());
+    for absorber in 0..study.spec.count() {
+        for (name, word) in study.spec.choices_of(absorber).words() {
+            if CHOICES.iter().all(|choice| (choice.name, choice.words[0]) != (name, word)) {
+                if absorber > 0 {
+                    add(&[absorber as u8]);
+                }
+                add(word.as_bytes());
+            }
         }
     }
     let spec = study.spec(study.sampling.first())?;

@@ -161,7 +161,7 @@ impl Spec {
     }
 
     /// The number of the absorber of the list that each absorber of the scene is a unit of.
-    pub(crate) fn owners(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn owners(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.count()).flat_map(|k| std::iter::repeat_n(k, self.units_of(k)))
     }
 
@@ -369,16 +369,15 @@ impl Spec {
         Ok(())
     }
 
-    /// Standard gravity, where gravity is needed and has a default (SI units); `None` otherwise.
+    /// Standard gravity, where gravity is needed for an absorber and has a default (SI units); `None` otherwise.
     ///
     /// # Errors
     /// As [`Spec::units`].
-    pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let weighs = self.count() == 1 && self.structure.is_none();
-        let weighs = weighs
-            && match self.choices().kind {
-                Kind::Siva => true,
-                Kind::Piva => self.get(FieldId::FrequencyRatio).is_none(),
+    pub fn standard_gravity_of(&self, absorber: usize) -> Result<Option<f64>, Invalid> {
+        let weighs = self.structure.is_none()
+            && match self.choices_of(absorber).kind {
+                Kind::Siva => self.count() == 1,
+                Kind::Piva => self.get_of(absorber, FieldId::FrequencyRatio).is_none(),
                 Kind::None => false,
             };
         let standard = weighs && self.units()? == UnitSystem::Si;

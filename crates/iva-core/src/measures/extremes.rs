@@ -90,7 +90,7 @@ impl<R: Real> Extremes<R> {
             let s = system.wall(state).sign();
             let y = (high - system.clearance())
                 + (system.clearance() - system.distance(state).value) * s;
-            (y, (system.primary(state).x + system.lever() * y).abs())
+            (y, (system.primary(state).x + system.lever_of(0) * y).abs())
         });
         let [(from, p), (to, q)] = ends;
         let reach = bent * most.gap;

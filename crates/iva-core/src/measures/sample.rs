@@ -44,7 +44,7 @@ fn accelerations<S: Absorber>(system: &S, state: &S::State) -> [S::Real; 2] {
     let own = flight.acceleration_at(system.at_hand(state), S::Real::ZERO).unwrap_or(structure);
     // A state in contact may hold the acceleration of a state close by, so it is computed anew.
     let beside = gap_acceleration(system, &flight.state(S::Real::ZERO));
-    [structure, own + system.lever() * beside]
+    [structure, own + system.lever_of(system.at_hand(state)) * beside]
 }
 
 /// ÿ of an absorber free in its gap: the distance to a wall s is d − s y.
@@ -110,7 +110,7 @@ impl<R: Real> Sampler<R> {
             let (wall, state) = (motion.wall_of(absorber), system.turned_to(&state, absorber));
             let beside = match wall {
                 Some(_) => R::ZERO,
-                None => system.lever() * gap_acceleration(system, &state),
+                None => system.lever_of(absorber) * gap_acceleration(system, &state),
             };
             let own = motion.acceleration_at(absorber, h).unwrap_or(acceleration);
             self.states.push(State {

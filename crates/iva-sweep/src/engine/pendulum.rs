@@ -40,7 +40,7 @@ pub(crate) fn parameters<R: Real>(
     scale: &Scale<R>,
 ) -> Result<(Parameters<R>, Option<R>), Invalid> {
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
-    let Choices { angles, impact_law, .. } = *given.spec.choices();
+    let Choices { angles, impact_law, .. } = *given.choices();
     let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(R::ONE);
     let Swing { frequency_ratio, hanging } = swing(given, angles, inertia_ratio, scale)?;
     // If the motion does not depend on the length, the clearance serves as length.
@@ -88,7 +88,7 @@ fn swing<R: Real>(
             match gravity.filter(|g| (*g - follows).abs() > follows * AGREEMENT) {
                 None => Ok(hang(ratio, length, gravity.unwrap_or(follows))),
                 Some(g) => Err(Invalid::new(
-                    FieldId::Gravity.path(),
+                    given.path(FieldId::Gravity),
                     number(g),
                     format!(
                         "frequency_ratio and length make it {}; give two of the three",
@@ -99,10 +99,10 @@ fn swing<R: Real>(
         }
         (None, Some(length)) => {
             let gravity = gravity
-                .or(given.spec.standard_gravity()?.map(|g| R::given(g, false)))
+                .or(given.spec.standard_gravity_of(given.absorber)?.map(|g| R::given(g, false)))
                 .ok_or_else(|| {
                     Invalid::missing(
-                        "absorber.frequency_ratio",
+                        given.path(FieldId::FrequencyRatio),
                         "give frequency_ratio, or gravity (which has a default in SI units only)",
                     )
                 })?;
@@ -124,10 +124,10 @@ fn swing<R: Real>(
             } else {
                 return Ok(Swing { frequency_ratio, hanging: None });
             };
-            Err(Invalid::missing("absorber.length", needs))
+            Err(Invalid::missing(given.path(FieldId::Length), needs))
         }
         (None, None) => Err(Invalid::missing(
-            "absorber.length",
+            given.path(FieldId::Length),
             "give two of frequency_ratio, length and gravity (in SI units length alone will do)",
         )),
     }

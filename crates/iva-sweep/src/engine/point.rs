@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::Modal;
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
@@ -212,6 +213,8 @@ pub(crate) trait EstimatesOfAny<R: Real>:
     + Estimates<Siva<DrivenHost<R>>>
     + Estimates<Several<UndrivenHost<R>>>
     + Estimates<Several<DrivenHost<R>>>
+    + Estimates<Mixed<UndrivenHost<R>>>
+    + Estimates<Mixed<DrivenHost<R>>>
     + Estimates<Sliding<R>>
     + Estimates<Modal<UndrivenHost<R>>>
     + Estimates<Modal<DrivenHost<R>>>
@@ -227,6 +230,8 @@ impl<R: Real, E> EstimatesOfAny<R> for E where
         + Estimates<Siva<DrivenHost<R>>>
         + Estimates<Several<UndrivenHost<R>>>
         + Estimates<Several<DrivenHost<R>>>
+        + Estimates<Mixed<UndrivenHost<R>>>
+        + Estimates<Mixed<DrivenHost<R>>>
         + Estimates<Sliding<R>>
         + Estimates<Modal<UndrivenHost<R>>>
         + Estimates<Modal<DrivenHost<R>>>

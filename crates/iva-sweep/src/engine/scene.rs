@@ -1,5 +1,6 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
+use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{Modal, ModalStructure};
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
@@ -8,6 +9,7 @@ use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
 use iva_core::host::{DrivenHost, Excitation, Host, UndrivenHost};
 use iva_core::piva::{self, Piva};
+pub use iva_core::piva::{Angles, Parameters};
 use iva_core::real::Real;
 use iva_core::siva::Siva;
 
@@ -40,6 +42,10 @@ pub enum Scene<R: Real = f64> {
     Several(Box<Mounted<Several<UndrivenHost<R>>>>),
     /// Several free masses under force.
     DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
+    /// Free masses and pendulums on one structure in free decay.
+    Mixed(Box<Mounted<Mixed<UndrivenHost<R>>>>),
+    /// Free masses and pendulums on one structure under force.
+    DrivenMixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
     /// Free masses on a structure with several modes, in free decay.
     Modal(Box<Mounted<Modal<UndrivenHost<R>>>>),
     /// Free masses on a structure with several modes, under force.
@@ -77,6 +83,14 @@ macro_rules! with_system {
             {
                 $body
             }
+            $crate::engine::scene::Scene::Mixed($mounted) if $crate::engine::scene::EVERY_SCENE => {
+                $body
+            }
+            $crate::engine::scene::Scene::DrivenMixed($mounted)
+                if $crate::engine::scene::EVERY_SCENE =>
+            {
+                $body
+            }
             $crate::engine::scene::Scene::Modal($mounted) if $crate::engine::scene::EVERY_SCENE => {
                 $body
             }
@@ -87,6 +101,8 @@ macro_rules! with_system {
             }
             $crate::engine::scene::Scene::Several(_)
             | $crate::engine::scene::Scene::DrivenSeveral(_)
+            | $crate::engine::scene::Scene::Mixed(_)
+            | $crate::engine::scene::Scene::DrivenMixed(_)
             | $crate::engine::scene::Scene::Modal(_)
             | $crate::engine::scene::Scene::DrivenModal(_)
             | $crate::engine::scene::Scene::Sliding(_) => {
@@ -172,6 +188,20 @@ impl<R: Real> Scene<R> {
         }
     }
 
+    /// The parameters of the absorber of this number in a list, or of the only one; `None` if it is no pendulum.
+    pub fn pendulum_of(&self, absorber: usize) -> Option<&piva::Parameters<R>> {
+        match self {
+            Scene::Mixed(it) => Some(it.system.pendulum(absorber)?.parameters()),
+            Scene::DrivenMixed(it) => Some(it.system.pendulum(absorber)?.parameters()),
+            _ => self.pendulum(),
+        }
+    }
+
+    /// True if a list has a pendulum.
+    pub fn is_mixed(&self) -> bool {
+        matches!(self, Scene::Mixed(_) | Scene::DrivenMixed(_))
+    }
+
     /// True if the structure is given by its modes or matrices.
     pub fn has_modes(&self) -> bool {
         !self.moves_as_one()
@@ -246,8 +276,8 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// True if the absorber has an angle to report.
+    /// True if the absorber, or the pendulums of a list, have an angle to report.
     pub fn has_angle(&self) -> bool {
-        self.pendulum().is_some() && self.gravity().is_some()
+        (self.pendulum().is_some() || self.is_mixed()) && self.gravity().is_some()
     }
 }

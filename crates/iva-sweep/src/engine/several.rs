@@ -1,4 +1,4 @@
-//! A scene of several free masses on one structure.
+//! A scene of several free masses on one structure, and what lists of any absorbers have in common.
 
 use iva_core::absorber::several::{Several, Starts};
 use iva_core::absorber::{Absorber as _, Point, Start};
@@ -58,6 +58,31 @@ pub(super) fn each<R: Real>(
     units: UnitSystem,
     mut take: impl FnMut(usize, FreeMass<R>, GapPoint<R>) -> Result<(), Invalid>,
 ) -> Result<(), Invalid> {
+    each_unit(given, |given, unit| {
+        let gap = gap(given, scale);
+        take(given.absorber, mass(given, unit, scale, units)?, gap)
+    })
+}
+
+/// The gap displacement and velocity at the start.
+pub(super) fn gap<R: Real>(given: &Given<'_, R>, scale: &Scale<R>) -> GapPoint<R> {
+    GapPoint {
+        y: given.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
+        w: given.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
+    }
+}
+
+/// A unit of an absorber, and the number of its units.
+pub(super) type Unit = (usize, usize);
+
+/// All units of all absorbers of a list, each with the fields of its absorber.
+///
+/// # Errors
+/// [`Invalid`] for too many units, and those of `take`.
+pub(super) fn each_unit<'a, R: Real>(
+    given: &Given<'a, R>,
+    mut take: impl FnMut(&Given<'a, R>, Unit) -> Result<(), Invalid>,
+) -> Result<(), Invalid> {
     let all = given.spec.owners().count();
     if all > MOST_ABSORBERS {
         let rule = format!("give {MOST_ABSORBERS} units of all absorbers at most");
@@ -65,16 +90,34 @@ pub(super) fn each<R: Real>(
     }
     for absorber in 0..given.spec.count() {
         let given = given.of(absorber);
-        let gap = GapPoint {
-            y: given.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
-            w: given.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
-        };
         let count = given.spec.units_of(absorber);
         for unit in 0..count {
-            take(absorber, mass(&given, (unit, count), scale, units)?, gap)?;
+            take(&given, (unit, count))?;
         }
     }
     Ok(())
+}
+
+/// Mass ratio and clearance of one unit: units share the mass, and their gaps spread.
+///
+/// # Errors
+/// [`Invalid`] for a spread that leaves the narrowest gap no width.
+pub(super) fn shared<R: Real>(
+    given: &Given<'_, R>,
+    (unit, count): Unit,
+    [mass_ratio, clearance]: [R; 2],
+) -> Result<[R; 2], Invalid> {
+    if count == 1 {
+        return Ok([mass_ratio, clearance]);
+    }
+    let spread = given.get(FieldId::ClearanceSpread).unwrap_or(R::ZERO);
+    let place = 2.0 * unit as f64 / (count - 1) as f64 - 1.0;
+    let clearance = clearance * (R::ONE + spread * place);
+    if clearance <= 0.0 {
+        let rule = "the narrowest gap has no width; give less than 1";
+        return Err(Invalid::new(given.path(FieldId::ClearanceSpread), number(spread), rule));
+    }
+    Ok([mass_ratio / count as f64, clearance])
 }
 
 /// An error of the start, whose field names the absorber of the list instead of its unit.
@@ -90,10 +133,10 @@ pub(super) fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid
     }
 }
 
-/// One unit of an absorber, which has so many.
-fn mass<R: Real>(
+/// One unit of a free mass.
+pub(super) fn mass<R: Real>(
     given: &Given<'_, R>,
-    (unit, count): (usize, usize),
+    unit: Unit,
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<FreeMass<R>, Invalid> {
@@ -103,7 +146,8 @@ fn mass<R: Real>(
             1 => "absorber.kind".to_owned(),
             _ => format!("absorber.{}.kind", given.absorber),
         };
-        let rule = "several absorbers, and those on a structure with several modes, are free masses (kind \"siva\")";
+        let rule = "absorbers on a structure with several modes, and all of a list in which one has a dashpot, are free masses \
+                    (kind \"siva\")";
         return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
     }
     for field in [FieldId::Inclination, FieldId::InclinationDeg] {
@@ -120,17 +164,7 @@ fn mass<R: Real>(
     free_mass::weight(given, scale)?;
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
-    let spread = given.get(FieldId::ClearanceSpread).unwrap_or(R::ZERO);
-    let [mass_ratio, clearance] = if count > 1 {
-        let place = 2.0 * unit as f64 / (count - 1) as f64 - 1.0;
-        [mass_ratio / count as f64, clearance * (R::ONE + spread * place)]
-    } else {
-        [mass_ratio, clearance]
-    };
-    if clearance <= 0.0 {
-        let rule = "the narrowest gap has no width; give less than 1";
-        return Err(Invalid::new(given.path(FieldId::ClearanceSpread), number(spread), rule));
-    }
+    let [mass_ratio, clearance] = shared(given, unit, [mass_ratio, clearance])?;
     let mut mass = FreeMass::new(mass_ratio, restitution, clearance)?;
     if let Some(offset) = offset {
         mass = mass.with_offset(offset)?;

@@ -93,6 +93,10 @@ impl<R: Real, H: Host<Real = R>> Absorber for Mixed<H> {
         self.members.get(absorber).map_or(R::ZERO, |it| it.offset)
     }
 
+    fn lever_of(&self, absorber: usize) -> R {
+        self.members.get(absorber).map_or(R::ONE, |it| it.pendulum.lever)
+    }
+
     fn check_start(&self, start: &MixedStart<R>) -> Result<(), Invalid> {
         self.check(start)
     }

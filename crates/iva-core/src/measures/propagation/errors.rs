@@ -6,6 +6,7 @@ use super::masses::Grown;
 use super::tangent::{released, saltation};
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
+use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::Modal;
 use crate::absorber::several::Several;
 use crate::absorber::sliding::Sliding;
@@ -376,6 +377,25 @@ told_by_masses!(
     [H: Host<Real = f64>, const N: usize] Modal<H, N>,
     [] Sliding
 );
+
+/// No estimate is made of lists with pendulums: their impacts have none.
+impl<H: Host<Real = f64>> Observer<Mixed<H>> for Errors {
+    fn start(&mut self, _system: &Mixed<H>, _from: &Instant<StateOf<Mixed<H>>>, _duration: f64) {
+        *self = Self { plain: self.plain, lost: true, ..Self::default() };
+    }
+
+    fn looks_within(&self) -> bool {
+        false
+    }
+
+    fn impact(&mut self, _system: &Mixed<H>, impact: &Impact) {
+        self.list(impact);
+    }
+
+    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+        self.forget(absorber, first, floor);
+    }
+}
 
 type StateOf<S> = <S as OnStructure>::State;
 
