@@ -64,6 +64,18 @@ pub struct Angle<R = f64> {
     pub rate: R,
 }
 
+/// The absorbers in a motion of a decay that is logged.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Aboard {
+    /// The mass ratio of those that are stuck to the structure.
+    pub carried: f64,
+    /// Absolute velocity of the absorber in flight; of several that with which one mass, as large as all of them, would have
+    /// the kinetic energy of those in flight.
+    pub velocity: f64,
+    /// Distance of a single absorber from wall −.
+    pub height: f64,
+}
+
 /// The state after some steps of a flight, and the time that they take.
 pub type Coasted<State, R = f64> = (State, Clock<R>);
 
@@ -184,6 +196,11 @@ pub trait Absorber: ImpactLaw {
     fn wall(&self, state: &Self::State) -> Wall;
     /// Distance to that wall and its derivatives in free motion.
     fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
+    /// Distance and rate alone.
+    fn approach(&self, state: &Self::State) -> [Self::Real; 2] {
+        let Jet { value, rate, .. } = self.distance(state);
+        [value, rate]
+    }
     /// The state in contact with `wall`, and how much later it is: the small distance left over by rounding
     /// is covered at constant rate.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Self::Real);
@@ -245,6 +262,15 @@ pub trait Absorber: ImpactLaw {
     /// How the absorber returns from a rebound that begins in a state; `None` if it returns in the same motion.
     fn back(&self, _state: &Self::State) -> Option<Back<Self::Real>> {
         None
+    }
+    /// What the log of a decay keeps of the absorbers in a state, in which a single one is stuck or not.
+    fn aboard(&self, state: &Self::State, stuck: bool) -> Aboard {
+        let (gap, side) = (self.distance(state), self.wall(state).sign());
+        let [distance, rate, v] = [gap.value, gap.rate, self.primary(state).v].map(Real::double);
+        let (clearance, mass_ratio) = (self.clearance().double(), self.mass_ratio().double());
+        let [carried, velocity] = if stuck { [mass_ratio, 0.0] } else { [0.0, v - side * rate] };
+        let height = if side > 0.0 { 2.0 * clearance - distance } else { distance };
+        Aboard { carried, velocity, height }
     }
     /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
     /// are computed from a log.

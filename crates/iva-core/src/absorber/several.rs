@@ -19,9 +19,9 @@
 use std::sync::OnceLock;
 
 use crate::absorber::impact;
-use crate::absorber::siva::FreeMass;
 use crate::absorber::siva::free_mass::check_place;
-use crate::absorber::{Absorber, Clock, Point, Wall};
+use crate::absorber::siva::{FreeMass, coasts};
+use crate::absorber::{Aboard, Absorber, Clock, Coasted, Point, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -261,6 +261,66 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         })
     }
 
+    /// As many steps as all masses have, each alone.
+    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
+        let flies = N > 0 && !state.masses.iter().any(|mass| mass.stuck);
+        let Some(steps) = self.host.steps().filter(|_| flies) else {
+            return (0, (*state, Clock::ZERO));
+        };
+        let time = remaining.min(self.host.smooth_for(&state.host.phase)).double();
+        let count = f64::dispatched(
+            #[inline(always)]
+            || {
+                self.each(state).fold(f64::INFINITY, |least, (mass, place)| {
+                    let within = [1.0 / mass.clearance.double(), time];
+                    least.min(coasts::count(steps, &place.in_doubles(&state.host.primary), within))
+                })
+            },
+        );
+        let count = count as usize;
+        (count, self.coasted(state, count))
+    }
+
+    fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {
+        let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
+        let HostState { primary, phase, .. } = state.host;
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let (by, time) = (steps.responses(count), steps.time(count as f64));
+                let (to, acceleration) = steps.after(&primary, by);
+                let phase = self.host.waited(&phase, time);
+                let mut after = *state;
+                after.host = HostState { primary: to, acceleration, phase };
+                for mass in &mut after.masses[..self.count] {
+                    [mass.distance, mass.rate] = coasts::drifted(
+                        [&primary, &to],
+                        mass.side,
+                        [mass.distance, mass.rate],
+                        time,
+                    );
+                }
+                (after, time)
+            },
+        )
+    }
+
+    fn aboard(&self, state: &Self::State, _stuck: bool) -> Aboard {
+        let v = state.host.primary.v.value;
+        let (mut carried, mut twice) = (0.0, 0.0);
+        for (mass, place) in self.each(state) {
+            let mu = mass.mass_ratio.double();
+            if place.stuck {
+                carried += mu;
+            } else {
+                let own = (v + place.gap(mass).w).double();
+                twice += mu * (own * own);
+            }
+        }
+        let velocity = (twice / total(self.masses()).double()).sqrt();
+        Aboard { carried, velocity, height: 0.0 }
+    }
+
     /// 1 for a structure alone, so that defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
         let smallest = self.masses().iter().map(|mass| mass.clearance).reduce(R::min);
@@ -337,6 +397,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
             curvature: mass.side * acceleration.value,
             jerk: mass.side * jerk,
         }
+    }
+
+    fn approach(&self, state: &Self::State) -> [R; 2] {
+        let seen = self.seen(state);
+        seen.map_or([R::ONE, R::ZERO], |(_, place)| [place.distance.value, place.rate.value])
     }
 
     /// Other masses that are about to meet their walls touch them as well.

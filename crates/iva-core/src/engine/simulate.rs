@@ -363,8 +363,16 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     where
         M: Motion<Real = R, State = S::State>,
     {
+        self.advance_to(motion, h, motion.arrival(h), to_the_end);
+    }
+
+    /// Advances by a motion of length h to the state after it.
+    fn advance_to<M>(&mut self, motion: &M, h: R, end: S::State, to_the_end: bool)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
         let whole = to_the_end && h >= self.progress.remaining();
-        self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
+        self.arrive(motion, [h, R::ZERO], end, whole);
     }
 
     /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the end of the run.

@@ -1,10 +1,10 @@
 //! The log of a run in free decay: the motions of its structure, from which measures are computed.
 //!
 //! Between two entries the structure moves without drive, alone while the absorber flies and as one mass 1 + μ
-//! while it sticks. So an entry holds where a motion begins, and its end is the begin of the next. The whole
+//! while it sticks; of several with the mass of those that stick. So an entry holds where a motion begins, and its end is the begin of the next. The whole
 //! motion can be made again from that ([`crate::host::sinusoid`]).
 
-use crate::absorber::Clock;
+use crate::absorber::{Aboard, Clock};
 use crate::host::sinusoid::Motion;
 use crate::number::compensated::DoubleDouble;
 
@@ -19,27 +19,24 @@ pub(crate) struct Entry {
     pub v: f64,
     /// ẋ at the end of the motion before: just before an impact.
     pub v_before: f64,
-    /// Absolute velocity of the absorber, and its distance from wall −.
+    /// Absolute velocity of the absorber in flight, and its distance from wall − ([`Aboard`]).
     pub absorber: f64,
     pub height: f64,
-    /// 1 if the absorber sticks to a wall.
-    pub stuck: f64,
+    /// The mass ratio of what is stuck to the structure.
+    pub carried: f64,
 }
 
 impl Entry {
-    /// The begin of a motion with this velocity of the structure just before, this velocity of the absorber and its
-    /// distance from wall −.
+    /// The begin of a motion with this velocity of the structure just before, and these absorbers.
     #[inline(always)]
     pub fn new(
         clock: Clock,
         [x, v]: Motion,
         v_before: f64,
-        [absorber, height]: [f64; 2],
-        stuck: bool,
+        Aboard { carried, velocity: absorber, height }: Aboard,
     ) -> Self {
         let (time, time_rest) = (clock.value, clock.rest);
-        let stuck = f64::from(u8::from(stuck));
-        Self { time, time_rest, x, v, v_before, absorber, height, stuck }
+        Self { time, time_rest, x, v, v_before, absorber, height, carried }
     }
 
     /// The instant at which the motion begins.

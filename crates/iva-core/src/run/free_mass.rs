@@ -26,7 +26,7 @@ use super::side_by_side::{ScalarRun, SideBySide};
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Sight, search};
 use crate::absorber::siva::{Law, coasts};
-use crate::absorber::{Absorber, Clock, OnStructure};
+use crate::absorber::{Aboard, Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Run, Tally};
 use crate::host::Steps;
 use crate::measures::forced::Forced;
@@ -314,8 +314,8 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         hit.then(|| {
             let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
             let height = height(self.lanes.clearance[i], side, 0.0);
-            let absorber = [v - side * rate, height];
-            Entry::new(self.lanes.progress.clock.get(i), [x, v], v_before, absorber, false)
+            let aboard = Aboard { carried: 0.0, velocity: v - side * rate, height };
+            Entry::new(self.lanes.progress.clock.get(i), [x, v], v_before, aboard)
         })
     }
 

@@ -67,6 +67,40 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
     stretch
 }
 
+/// True if it is proved at once, from distance and rate at both ends of a flight of this length and from the bound on the fourth
+/// derivative, that no wall is met: by the Bernstein coefficients of the cubic between them, which the distance leaves by
+/// no more than t² (L − t)²/24 times the bound. At the wall that the flight left these coefficients count over t (L − t).
+#[inline(always)]
+pub fn stays_clear<R: Real>(ends: [[R; 2]; 2], clearance: R, fourth: R, length: R) -> bool {
+    let doubt = R::EPSILON * 0.5 * DOUBT * clearance;
+    let square = length * length;
+    let bent = (square * square) * fourth * (1.0 / 384.0);
+    let third = length * (1.0 / 3.0);
+    let inner = |[[a, a_rate], [b, b_rate]]: [[R; 2]; 2]| [a + third * a_rate, b - third * b_rate];
+    let [[begin, _], [end, _]] = ends;
+    let [b1, b2] = inner(ends);
+    let least = begin.min(b1).min(b2).min(end);
+    // t² (L − t)²/24 over t (L − t) is a quarter of L²/24 at most; the coefficients are three times b1 and b2.
+    let left = begin == 0.0 && b1.min(b2).min(end) > doubt && b1.min(b2) * 3.0 > bent * 4.0 + doubt;
+    let near = left || least > bent + doubt;
+    let wide = clearance * 2.0;
+    let across = ends.map(|[value, rate]| [wide - value, -rate]);
+    let [c1, c2] = inner(across);
+    let least = across[0][0].min(c1).min(c2).min(across[1][0]);
+    near && least > bent + doubt
+}
+
+/// True if a stick episode of this length surely does not end: the same for the pressure, whose terms have this size.
+#[inline(always)]
+pub fn keeps_pressing<R: Real>(ends: [[R; 2]; 2], size: R, fourth: R, length: R) -> bool {
+    let [[begin, rate], [end, end_rate]] = ends;
+    let square = length * length;
+    let bent = (square * square) * fourth * (1.0 / 384.0);
+    let third = length * (1.0 / 3.0);
+    let least = begin.min(begin + third * rate).min(end - third * end_rate).min(end);
+    least > bent + R::EPSILON * 0.5 * DOUBT * size
+}
+
 /// The stretch of a flight of this length that can reach no wall.
 pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stretch<C::Sample, R> {
     let sample = flight.sample(length);

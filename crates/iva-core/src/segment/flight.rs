@@ -323,6 +323,11 @@ pub trait Motion {
     fn fast_path(&self, _length: Self::Real) -> Option<FastFlight<Self::State, Self::Real>> {
         None
     }
+    /// True if it is proved at once that the absorber at hand, one of several, meets no wall on the way to the state after
+    /// this length, or stays on the one that it is stuck to.
+    fn clears(&self, _length: Self::Real, _end: &Self::State) -> bool {
+        false
+    }
     /// The extrema of x in a motion of this length to this state, if they are found without a search.
     fn turns(&self, _length: Self::Real, _end: &Self::State) -> Turns<Self::Real> {
         Turns::Unknown

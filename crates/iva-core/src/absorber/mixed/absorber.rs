@@ -123,6 +123,11 @@ impl<R: Real, H: Host<Real = R>> Absorber for Mixed<H> {
         self.distance_of(state, k)
     }
 
+    fn approach(&self, state: &Self::State) -> [R; 2] {
+        let (k, _) = self.at_hand(state);
+        [state.places[k].distance.value, state.places[k].rate()]
+    }
+
     /// Others that are about to meet their walls touch them as well.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let (k, member) = self.at_hand(state);

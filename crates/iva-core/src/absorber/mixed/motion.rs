@@ -9,6 +9,7 @@ use crate::host::oscillator::Primary;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::contact::{keeps_pressing, stays_clear};
 use crate::segment::flight::{
     Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Seen, Travel, Turns,
 };
@@ -209,6 +210,29 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
         let free = self.system.host.free();
         let phase = free.renewed(&free.within(&self.from.phase, h));
         MixedState { phase, ..self.moved(h, true) }
+    }
+
+    fn clears(&self, length: R, end: &Self::State) -> bool {
+        if !self.proved {
+            return false;
+        }
+        let (k, from) = self.at_hand();
+        let (to, member) = (&end.places[k], &self.system.members[k]);
+        if !from.stuck {
+            let ends = [from, to].map(|it| [it.distance.value, it.rate()]);
+            return stays_clear(ends, member.clearance, self.fourth(), length);
+        }
+        let (a, over_step) = (&self.series[k].a, R::ONE / self.step);
+        let share = self.share(length);
+        let [mut pulled, mut jerk] = [R::ZERO; 2];
+        for k in (0..ORDER).rev() {
+            jerk = jerk * share + pulled;
+            pulled = pulled * share + a[k];
+        }
+        let [factor, constant] = member.pressure(from.wall);
+        let ends = [[a[0], a[1]], [pulled, jerk]];
+        let pressed = ends.map(|[a, jerk]| [factor * a + constant, factor * (jerk * over_step)]);
+        keeps_pressing(pressed, self.magnitude(), self.fourth(), length)
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

@@ -3,9 +3,10 @@
 use super::{InGap, MOST, Several, SeveralState};
 use crate::absorber::{Absorber, OnStructure, Wall};
 use crate::host::oscillator::Primary;
-use crate::host::{Flown, Host, HostState, Integrated, Structure};
+use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::contact::{keeps_pressing, stays_clear};
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Seen, Travel, Turns,
 };
@@ -194,6 +195,29 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
             }
         }
         Some(Travel::new(rows, gap, R::ONE))
+    }
+
+    fn clears(&self, length: R, end: &Self::State) -> bool {
+        let k = usize::from(self.from.at_hand);
+        let (Some(from), Some(to)) = (self.from.masses.get(k), end.masses.get(k)) else {
+            return false;
+        };
+        let begin = &self.from.host;
+        if from.stuck {
+            let pressed = |HostState { primary, acceleration, phase }: &HostState<Phase<H>, R>| {
+                let a = acceleration.value;
+                let [jerk, ..] = self.structure.derivatives(phase, primary.v.value, a);
+                [-from.side * a, -from.side * jerk]
+            };
+            let (size, fourth) = (
+                self.structure.bound::<0>(&begin.primary),
+                self.structure.bound::<4>(&begin.primary),
+            );
+            return keeps_pressing([pressed(begin), pressed(&end.host)], size, fourth, length);
+        }
+        let ends = [from, to].map(|it| [it.distance.value, it.rate.value]);
+        let clearance = self.system.masses[k].clearance;
+        stays_clear(ends, clearance, self.structure.bound::<2>(&begin.primary), length)
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

@@ -3,7 +3,7 @@
 use super::{Several, SeveralState};
 use crate::absorber::{OnStructure, Point};
 use crate::host::oscillator::Primary;
-use crate::host::{Host, Phase};
+use crate::host::{Host, Phase, Sinusoidal};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 
@@ -47,6 +47,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Several<H, N> {
         self.masses().iter().zip(self.gaps(state)).fold(structure, |sum, (mass, gap)| {
             sum + mass.mass_ratio * 0.5 * ((v + gap.w) * (v + gap.w))
         })
+    }
+
+    /// A structure alone is measured as it moves.
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        self.host.sinusoidal().filter(|_| N > 0)
     }
 
     /// The structure takes the impulse with the stuck masses whose walls it pushes against them; the others are left

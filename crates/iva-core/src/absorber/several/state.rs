@@ -2,7 +2,9 @@
 
 use super::MOST;
 use crate::absorber::Wall;
+use crate::absorber::plain::State;
 use crate::absorber::siva::FreeMass;
+use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Phase};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -45,6 +47,15 @@ impl<R: Real> InGap<R> {
         rate: DoubleDouble::ZERO,
         stuck: false,
     };
+
+    /// The same in doubles, on a structure.
+    #[inline(always)]
+    pub(crate) fn in_doubles(&self, structure: &Primary<R>) -> State {
+        let Primary { x, v } = structure;
+        let [x, v, distance, rate, side] =
+            [x.value, v.value, self.distance.value, self.rate.value, self.side].map(Real::double);
+        State { x, v, distance, rate, side, ..State::default() }
+    }
 
     /// Gap displacement and gap velocity.
     pub(crate) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {

@@ -7,6 +7,7 @@
 use super::SivaState;
 use crate::absorber::plain::State;
 use crate::host::HostState;
+use crate::host::oscillator::Primary;
 use crate::host::steps::{MOST, Responses, Steps};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};
@@ -45,18 +46,26 @@ pub(crate) fn after<P: Copy, R: Real>(
     responses: Responses<R>,
 ) -> SivaState<P, R> {
     let SivaState { host: HostState { primary, phase, .. }, side, distance, rate } = *from;
+    let (to, acceleration) = steps.after(&primary, responses);
+    let [distance, rate] = drifted([&primary, &to], side, [distance, rate], steps.time(count));
+    SivaState { host: HostState { primary: to, acceleration, phase }, side, distance, rate }
+}
+
+/// Distance and rate of a free mass, measured from the wall of this sign, after a time in which the structure has come from
+/// one place to another.
+#[inline(always)]
+pub(crate) fn drifted<R: Real>(
+    [from, to]: [&Primary<R>; 2],
+    side: R,
+    [distance, rate]: [DoubleDouble<R>; 2],
+    time: DoubleDouble<R>,
+) -> [DoubleDouble<R>; 2] {
     let seen =
         |sum: DoubleDouble<R>| DoubleDouble { value: side * sum.value, rest: side * sum.rest };
     // The velocity of the absorber.
-    let absorber = primary.v - seen(rate);
-    let (to, acceleration) = steps.after(&primary, responses);
-    let moved = (to.x - primary.x) - absorber.product(steps.time(count));
-    SivaState {
-        host: HostState { primary: to, acceleration, phase },
-        side,
-        distance: distance + seen(moved),
-        rate: seen(to.v - absorber),
-    }
+    let absorber = from.v - seen(rate);
+    let moved = (to.x - from.x) - absorber.product(time);
+    [distance + seen(moved), seen(to.v - absorber)]
 }
 
 /// [`after`] in plain numbers.

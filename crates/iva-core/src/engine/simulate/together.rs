@@ -135,9 +135,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// True if an absorber, seen as the one at hand, touches its wall and approaches it.
     fn strikes(&self, absorber: usize, state: &S::State) -> bool {
-        let seen = self.system.turned_to(state, absorber);
-        let distance = self.system.distance(&seen);
-        distance.value == 0.0 && distance.rate < 0.0
+        let [distance, rate] = self.system.approach(&self.system.turned_to(state, absorber));
+        distance == 0.0 && rate < 0.0
     }
 
     /// Decides what absorbers do that start at their walls.
@@ -148,6 +147,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
         self.tally.state = self.system.turned_to(&self.tally.state, 0);
         self.settle();
+        self.coast();
     }
 
     /// One stretch of motion, ended by its length, the first event of an absorber, or the end of the run.
@@ -161,11 +161,18 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
         let mut flight = system.flight(&state);
         let length = flight.reach().min(self.progress.ahead());
+        let reached = R::FAST_PATHS.then(|| flight.arrival(length));
+        let clears = |flight: &S::Flight<'_>| {
+            reached.as_ref().is_some_and(|reached| flight.clears(length, reached))
+        };
         let mut end = length;
         let mut met: Option<Met> = None;
         let mut undecided = 0;
         for absorber in 0..system.absorbers() {
             system.turn(&mut flight, absorber);
+            if clears(&flight) {
+                continue;
+            }
             let from = system.turned_to(&state, absorber);
             if !is_finite(&flight.jet(&from), flight.fourth()) {
                 return false;
@@ -182,6 +189,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             undecided = 0;
             for absorber in 0..system.absorbers() {
                 system.turn(&mut flight, absorber);
+                if clears(&flight) {
+                    continue;
+                }
                 let from = system.turned_to(&state, absorber);
                 undecided += self.first_event(&flight, &from, end).undecided;
             }
@@ -190,11 +200,13 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let absorber = met.map_or(system.at_hand(&state), |(absorber, _)| absorber);
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
-        self.advance(&flight, end, length == remaining);
+        let arrived = reached.filter(|_| met.is_none()).unwrap_or_else(|| flight.arrival(end));
+        let arrived = system.turned_to(&arrived, absorber);
+        self.advance_to(&flight, end, arrived, length == remaining);
         match met {
             Some((_, Some(side))) => self.meet(side),
             Some((_, None)) => return self.release(&flight, end),
-            None => {}
+            None => self.coast(),
         }
         true
     }
@@ -239,8 +251,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 self.tally.state = self.system.freed(&state);
                 self.let_go();
             }
-            let leave = self.system.distance(&self.tally.state);
-            if leave.value == 0.0 && leave.rate >= 0.0 {
+            let [distance, rate] = self.system.approach(&self.tally.state);
+            if distance == 0.0 && rate >= 0.0 {
                 self.leave_or_stick();
             }
         }

@@ -92,13 +92,10 @@ impl<S: Absorber> Measures<S> {
 
     fn log_motion(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State, stuck: bool) {
         let Some(decay) = &mut self.decay else { return };
-        let (at, gap, side) =
-            (system.primary(state), system.distance(state), system.wall(state).sign());
-        let [x, v, clearance] = [at.x, at.v, system.clearance()].map(Real::double);
-        let [distance, rate] = [gap.value, gap.rate].map(Real::double);
+        let at = system.primary(state);
         let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
-        let absorber = [v - side * rate, height(clearance, side, distance)];
-        let entry = Entry::new(clock, [x, v], decay.v_before, absorber, stuck);
+        let motion = [at.x, at.v].map(Real::double);
+        let entry = Entry::new(clock, motion, decay.v_before, system.aboard(state, stuck));
         decay.log.push(entry);
         if decay.log.is_full() {
             self.make_log_room();
@@ -191,10 +188,16 @@ impl Sinusoids {
 
     /// The structure in a motion.
     #[inline(always)]
-    fn structure(&self, entry: &Entry) -> &Sinusoid {
+    fn structure(&self, entry: &Entry) -> Sinusoid {
         let Sinusoidal { damping_ratio, mass_ratio, .. } = self.of;
-        let stuck = || Sinusoid::new(1.0 + mass_ratio, damping_ratio);
-        if entry.stuck > 0.0 { self.stuck.get_or_init(stuck) } else { &self.free }
+        let carrying = || Sinusoid::new(1.0 + entry.carried, damping_ratio);
+        if entry.carried == 0.0 {
+            self.free
+        } else if entry.carried == mass_ratio {
+            *self.stuck.get_or_init(carrying)
+        } else {
+            carrying()
+        }
     }
 
     /// Energy of structure and absorber a time h after the begin of a motion.
@@ -203,20 +206,22 @@ impl Sinusoids {
         let [x, v] = self.after(entry, h);
         let Sinusoidal { mass_ratio, gravity, .. } = self.of;
         let fallen = gravity * h;
-        let (absorber, height) = if entry.stuck > 0.0 {
-            (v, entry.height)
+        let mut moving = (x * x + v * v) * 0.5;
+        let (absorber, height) = if entry.carried > 0.0 {
+            moving += entry.carried * 0.5 * (v * v);
+            (entry.absorber, entry.height)
         } else {
             let passed = h * (entry.absorber - 0.5 * fallen) - (x - entry.x);
             (entry.absorber - fallen, entry.height + passed)
         };
-        let moving = (x * x + v * v) * 0.5 + mass_ratio * 0.5 * (absorber * absorber);
+        moving += mass_ratio * 0.5 * (absorber * absorber);
         moving + mass_ratio * gravity * height
     }
 
     /// The middle of a motion.
     #[inline(always)]
     fn middle(&self, entry: &Entry) -> f64 {
-        self.of.middle(entry.stuck > 0.0)
+        self.of.middle(entry.carried > 0.0)
     }
 
     /// x and ẋ a time h after the begin of a motion.
@@ -242,7 +247,7 @@ impl Sinusoids {
             }
             let turns = time.iter().copied().zip(turned).zip(block);
             for (turn, entry) in turns {
-                let stuck = entry.stuck > 0.0;
+                let stuck = entry.carried > 0.0;
                 let turn =
                     if stuck { self.structure(entry).first_turn(entry.from(0.0)) } else { turn };
                 self.turns.push(turn);
@@ -258,7 +263,7 @@ impl Sinusoids {
         entry: &Entry,
         until: f64,
     ) -> impl DoubleEndedIterator<Item = (f64, f64)> + use<> {
-        let (structure, middle) = (*self.structure(entry), self.middle(entry));
+        let (structure, middle) = (self.structure(entry), self.middle(entry));
         let (first, x) = self.turns[k];
         let at = move |n: u64| (n as f64).mul_add(structure.half, first);
         let count = ((until - first) / structure.half).ceil();
@@ -287,7 +292,7 @@ impl Sinusoids {
                 lost[i] = free.lost([from_x[i], from_v[i]], [to_x[i], to_v[i]], span[i]);
             }
             for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
-                let lost = match entry.stuck > 0.0 {
+                let lost = match entry.carried > 0.0 {
                     true => {
                         let ends = [entry.from(0.0), end.reached(0.0)];
                         self.structure(entry).lost(ends[0], ends[1], span[i])
@@ -389,7 +394,7 @@ impl<R: Real, S: Absorber<Real = R>> Course<S> for Logged<'_> {
         for (i, h) in times.iter().enumerate().take(found.len()) {
             let Some(passage) = &found[i] else { continue };
             let entry = &self.log[passage.motion];
-            let h = match entry.stuck > 0.0 {
+            let h = match entry.carried > 0.0 {
                 true => self.sinusoids.structure(entry).passages(&[passages[i]])[0],
                 false => *h,
             };

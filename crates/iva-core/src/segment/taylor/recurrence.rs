@@ -172,7 +172,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LE
 /// Σ y_i W_{k−i}, Σ c_{i+1} W_{k−i} and Σ c_{i+1} a_{k−1−i} over 0 < i < k, the newest terms last, even and
 /// odd ones apart.
 #[inline(always)]
-fn convolutions<R: Real, T: Number<Real = R>>(
+pub(super) fn convolutions<R: Real, T: Number<Real = R>>(
     y: &[T],
     w: &[T],
     c: &[T],

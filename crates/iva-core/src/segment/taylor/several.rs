@@ -16,6 +16,7 @@
 //!
 //! A free mass is a pendulum at small angles without gravity, with κ = λ = β = 1: it adds nothing to D and pulls nothing.
 
+use super::recurrence::convolutions;
 use super::{Number, Pendulum, Series, Spring, Swing};
 use crate::force::Drive;
 use crate::number::real::Real;
@@ -41,6 +42,9 @@ struct Growing<'a, T: Number, const LENGTH: usize> {
     gained: T,
     rest: T,
     swept: T,
+    /// (c W)_k of the order before without c₀ W_k.
+    swung: T,
+    over_b2: T,
 }
 
 impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGTH> {
@@ -53,7 +57,10 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGT
         };
         let Swing { y, w, c, arc, .. } = member.swing;
         let [y, w, c, arc] = [y, w, c, arc].map(begun);
-        Self { member, y, w, c, arc, gained: zero, rest: zero, swept: zero }
+        let b = T::from_real(member.pendulum.contact_distance);
+        let over_b2 = T::reciprocal(1) / (b * b);
+        let (gained, rest, swept, swung) = (zero, zero, zero, zero);
+        Self { member, y, w, c, arc, gained, rest, swept, swung, over_b2 }
     }
 
     /// All of order k but a_k, W_{k+1} and y_{k+1}; returns μλ ((k+1)/h B − c₀ R).
@@ -72,25 +79,24 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGT
             rest = n(is.spring.stiffness).fused(self.arc[k], rest);
         }
         let c0 = self.c[0];
-        self.swept = c0 * self.w[k];
+        self.swept = c0.fused(self.w[k], self.swung);
         if is.small_angles {
             self.rest = rest;
             return n(is.mass_ratio * is.lever) * -(c0 * rest);
         }
-        let zero = n(R::ZERO);
-        let (mut yw, mut cw, mut ca) = (zero, zero, zero);
-        for i in 0..=k {
-            yw = self.y[i].fused(self.w[k - i], yw);
+        let (w0, w) = (self.w[0], self.w[k]);
+        let [mut yw, mut cw, mut ca] = convolutions(&self.y, &self.w, &self.c, a, k);
+        yw = self.y[0].fused(w, yw);
+        if k > 0 {
+            yw = self.y[k].fused(w0, yw);
+            ca = self.c[1].fused(a[k - 1], ca);
         }
-        let over_b = T::reciprocal(1) / n(is.contact_distance);
-        self.c[k + 1] = -(h * T::reciprocal(k + 1) * over_b * over_b * yw);
-        for i in 0..=k {
-            cw = self.c[i + 1].fused(self.w[k - i], cw);
+        self.c[k + 1] = -(h * T::reciprocal(k + 1) * self.over_b2 * yw);
+        cw = self.c[1].fused(w, cw);
+        if k > 0 {
+            cw = self.c[k + 1].fused(w0, cw);
         }
-        for i in 0..k {
-            ca = self.c[i + 1].fused(a[k - 1 - i], ca);
-            self.swept = self.c[i + 1].fused(self.w[k - 1 - i], self.swept);
-        }
+        self.swung = cw;
         self.rest = n(is.coupling).fused(ca, rest);
         self.gained = n(R::from((k + 1) as f64)) * over_h * cw;
         n(is.mass_ratio * is.lever) * (self.gained - c0 * self.rest)
