@@ -2,6 +2,7 @@
 //! proved to be the first ([`contact`], [`roots`]).
 
 pub mod contact;
+pub(crate) mod enclosure;
 pub mod flight;
 pub mod place;
 pub mod polynomial;

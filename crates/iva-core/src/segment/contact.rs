@@ -7,6 +7,7 @@
 //! waiting time or displacement.
 
 use crate::number::real::Real;
+use crate::segment::enclosure::Enclosure;
 use crate::segment::flight::{Curve, Jet, Side};
 use crate::segment::roots::{DOUBT, Node, Searched, highest_change};
 
@@ -88,6 +89,29 @@ pub fn stays_clear<R: Real>(ends: [[R; 2]; 2], clearance: R, fourth: R, length: 
     let [c1, c2] = inner(across);
     let least = across[0][0].min(c1).min(c2).min(across[1][0]);
     near && least > bent + doubt
+}
+
+/// The wall of the contact in a flight of this length, and its distance, if it is proved at once that there is exactly one: the
+/// distance falls all the way to below the near wall, or rises all the way to beyond the far one. Values and rates at both
+/// ends, and a bound on the fourth derivative.
+#[inline(always)]
+pub fn only_contact<R: Real>(
+    [values, rates]: [[R; 2]; 2],
+    clearance: R,
+    fourth: R,
+    length: R,
+) -> Option<(Side, R)> {
+    let doubt = R::EPSILON * 0.5 * DOUBT * clearance;
+    let ([begin, end], wide) = (values, clearance * 2.0);
+    let way = Enclosure::new(values, rates, length, fourth);
+    // Doubts of a rate are those of a distance over a share of the length.
+    let unsure = doubt * 64.0 / length;
+    if begin > doubt && end < -doubt && way.falls(unsure) {
+        return Some((Side::Near, R::ZERO));
+    }
+    let within = begin == 0.0 || begin > doubt;
+    let rises = within && begin < wide - doubt && end > wide + doubt && way.rises(unsure);
+    rises.then_some((Side::Far, wide))
 }
 
 /// True if a stick episode of this length surely does not end: the same for the pressure, whose terms have this size.

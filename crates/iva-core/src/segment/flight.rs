@@ -328,6 +328,11 @@ pub trait Motion {
     fn clears(&self, _length: Self::Real, _end: &Self::State) -> bool {
         false
     }
+    /// Instant and wall of the contact of the absorber at hand on the way to that state, if it is proved at once that there is
+    /// exactly one. The instant leaves a distance of rounding size.
+    fn meets(&self, _length: Self::Real, _end: &Self::State) -> Option<(Self::Real, Side)> {
+        None
+    }
     /// The extrema of x in a motion of this length to this state, if they are found without a search.
     fn turns(&self, _length: Self::Real, _end: &Self::State) -> Turns<Self::Real> {
         Turns::Unknown

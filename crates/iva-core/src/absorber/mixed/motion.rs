@@ -1,6 +1,7 @@
 //! The motion of a structure and of free masses and pendulums between two events.
 
 use super::{Mixed, MixedState, Placed};
+use crate::absorber::piva::accuracy::Accuracy;
 use crate::absorber::piva::fourth_bound;
 use crate::absorber::piva::step::Step;
 use crate::absorber::{Absorber, Point, Wall};
@@ -11,7 +12,7 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::contact::{keeps_pressing, stays_clear};
 use crate::segment::flight::{
-    Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Seen, Travel, Turns,
+    Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Seen, Side, Travel, Turns,
 };
 use crate::segment::quadrature::{mean_product, nodes, rates, values};
 use crate::segment::taylor::{Member, ORDER, Series, horner, series_of_several};
@@ -233,6 +234,28 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
         let ends = [[a[0], a[1]], [pulled, jerk]];
         let pressed = ends.map(|[a, jerk]| [factor * a + constant, factor * (jerk * over_step)]);
         keeps_pressing(pressed, self.magnitude(), self.fourth(), length)
+    }
+
+    fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
+        let (k, from) = self.at_hand();
+        if from.stuck || !self.proved {
+            return None;
+        }
+        let (seen, end) = (self.system.seen(&self.from, k), self.system.seen(end, k));
+        let pendulum = &self.system.members[k].pendulum;
+        let step = Step { pendulum, from: &seen, series: &self.series[k], length: self.step };
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let gap = step.gap::<ORDER>(&end, length, Accuracy::of(R::ZERO).doubt());
+                let side = if gap.near { Side::Near } else { Side::Far };
+                if !(gap.near || gap.far) {
+                    return None;
+                }
+                let (h, exact) = step.meeting::<ORDER>(&end, length, gap.far);
+                exact.then_some((h, side))
+            },
+        )
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

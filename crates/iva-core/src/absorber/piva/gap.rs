@@ -5,8 +5,9 @@
 //! which keeps its relative accuracy there. Undecided steps are searched by [`crate::segment::contact`].
 
 use super::PivaState;
-use super::step::{Ahead, Enclosure, Step, root_close_by, shifted};
+use super::step::{Ahead, Step, root_close_by, shifted};
 use crate::number::real::Real;
+use crate::segment::enclosure::Enclosure;
 use crate::segment::quintic::{monomials, root};
 
 /// What is proved about the contacts of a stretch of flight.

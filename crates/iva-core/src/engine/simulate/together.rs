@@ -173,6 +173,12 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if clears(&flight) {
                 continue;
             }
+            if let Some((at, side)) = reached.as_ref().and_then(|it| flight.meets(length, it)) {
+                if at < end {
+                    (end, met) = (at, Some((absorber, Some(side))));
+                }
+                continue;
+            }
             let from = system.turned_to(&state, absorber);
             if !is_finite(&flight.jet(&from), flight.fourth()) {
                 return false;
