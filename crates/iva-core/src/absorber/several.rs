@@ -217,8 +217,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     where
         H: 'a;
 
+    /// For a structure alone the compiler knows it.
+    #[inline(always)]
     fn absorbers(&self) -> usize {
-        self.count
+        if N == 0 { 0 } else { self.count }
     }
 
     fn at_hand(&self, state: &Self::State) -> usize {
@@ -263,7 +265,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
 
     /// As many steps as all masses have, each alone.
     fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
-        let flies = N > 0 && !state.masses.iter().any(|mass| mass.stuck);
+        if N == 0 {
+            return (0, (*state, Clock::ZERO));
+        }
+        let flies = !state.masses.iter().any(|mass| mass.stuck);
         let Some(steps) = self.host.steps().filter(|_| flies) else {
             return (0, (*state, Clock::ZERO));
         };
@@ -282,7 +287,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     }
 
     fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {
-        let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
+        let Some(steps) = self.host.steps().filter(|_| N > 0) else { return (*state, Clock::ZERO) };
         let HostState { primary, phase, .. } = state.host;
         R::dispatched(
             #[inline(always)]

@@ -84,15 +84,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         SeveralState { host: to, masses, at_hand: self.from.at_hand }
     }
 
-    /// A structure alone meets no wall in any finite motion.
+    /// A structure alone meets no wall in any finite motion. Several masses are looked at one by one, a single one as they are.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
-        if N > 0 {
+        if N > 0 && (!R::FAST_PATHS || self.system.count > 1) {
             return None;
         }
-        let end = self.arrival(length);
+        let (end, later) = (self.arrival(length), R::ZERO);
+        if N > 0 {
+            if let Some((length, side)) = self.meets(length, &end) {
+                let end = self.arrival(length);
+                return Some(FastFlight { length, later, end, meets: Meets::Near(side) });
+            }
+            let clear = self.clears(length, &end);
+            return clear.then_some(FastFlight { length, later, end, meets: Meets::Nothing });
+        }
         let Primary { x, v } = end.host.primary;
         let finite = x.value.is_finite() && v.value.is_finite();
-        finite.then_some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing })
+        finite.then_some(FastFlight { length, later, end, meets: Meets::Nothing })
     }
 
     fn arrival(&self, h: R) -> Self::State {
