@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -117,6 +117,9 @@ bench-dynamics: target/bench/.installed ## compare orbits, branches, diagrams an
 
 bench-modes: target/bench/.installed ## compare five masses on 20 modes with MuJoCo and Siconos, where they are installed
 	target/bench/bin/python benches/compare_modes.py --python=python3
+
+bench-lists: target/bench/.installed ## compare lists of absorbers, and a dashpot in the gap, with SciPy
+	target/bench/bin/python benches/compare_lists.py
 
 # The other integrators have an environment of their own.
 target/bench/.installed: $(VENV)/.installed

@@ -1,11 +1,13 @@
 //! Free decays and driven runs of what real structures have, 30 periods, alone in the event loop, as time per impact: several
-//! free masses, several modes with one mass or five, and friction, beside one free mass on one mode.
+//! free masses, pendulums beside them, several modes with one mass or five, friction and a dashpot in the gap, beside one free
+//! mass or one pendulum on one mode.
 //!
 //! `cargo bench -p iva-benches --bench several`.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::absorber::mixed::{Mixed, MixedStart, OneOf};
 use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure};
 use iva_core::absorber::several::{Several, Starts};
 use iva_core::absorber::sliding::Sliding;
@@ -13,6 +15,7 @@ use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::error::Invalid;
 use iva_core::flight::GapPoint;
 use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::{FreeMass, Siva};
 
@@ -96,6 +99,46 @@ fn modes(criterion: &mut Criterion) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Pendulums and masses in turn, as many as asked for, beside one pendulum in the loop for one.
+fn pendulums(criterion: &mut Criterion) -> Result<(), Invalid> {
+    let parameters = |mass_ratio, clearance| Parameters {
+        frequency_ratio: 0.4,
+        ..Parameters::point_bob(mass_ratio, RESTITUTION, clearance, DAMPING_RATIO, 5.0)
+    };
+    let one = Piva::new(parameters(MASS_RATIO, 0.6))?;
+    let start = Start { displacement: 1.0, ..Start::default() }.into();
+    run(criterion, ("pendulum, decay", 1), &one, &start)?;
+    run(criterion, ("pendulum, driven", 1), &one.under(push()?), &start)?;
+    for count in [2, 4, 8] {
+        let mut all = Vec::new();
+        for (k, mass) in masses(count)?.into_iter().enumerate() {
+            let parameters = parameters(MASS_RATIO / count as f64, mass.clearance());
+            let pendulum = || OneOf::pendulum(Piva::new(parameters)?);
+            all.push(if k % 2 == 0 { pendulum()? } else { OneOf::Mass(mass) });
+        }
+        let system = Mixed::new(DAMPING_RATIO, all)?;
+        let start = MixedStart::of(Point { x: 1.0, v: 0.0 }, &[]);
+        run(criterion, ("pendulums and masses, decay", count), &system, &start)?;
+        run(criterion, ("pendulums and masses, driven", count), &system.under(push()?), &start)?;
+    }
+    Ok(())
+}
+
+/// A mass with a dashpot in its gap, which is a coordinate of the structure.
+fn dashpot(criterion: &mut Criterion) -> Result<(), Invalid> {
+    for damping in [0.0, 0.004] {
+        let structure = ModalStructure::new(&[1.0], &[DAMPING_RATIO])?;
+        let structure = structure.with_point("primary", &[1.0])?;
+        let masses = [(FreeMass::new(MASS_RATIO, RESTITUTION, 0.6)?, "primary")];
+        let system = Modal::of(structure, &masses)?.with_dashpots(&[damping])?;
+        let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; 8])?;
+        run(criterion, (&format!("dashpot {damping}, decay"), 1), &system, &start)?;
+        let driven = system.under(push()?, "primary")?;
+        run(criterion, (&format!("dashpot {damping}, driven"), 1), &driven, &start)?;
+    }
+    Ok(())
+}
+
 fn friction(criterion: &mut Criterion) -> Result<(), Invalid> {
     let mass = Siva::new(MASS_RATIO, RESTITUTION, 0.6, DAMPING_RATIO)?;
     let start = Start { displacement: 1.0, ..Start::default() };
@@ -111,6 +154,8 @@ fn several(criterion: &mut Criterion) {
     let _ = all(criterion);
     let _ = modes(criterion);
     let _ = friction(criterion);
+    let _ = pendulums(criterion);
+    let _ = dashpot(criterion);
 }
 
 criterion_group!(benches, several);

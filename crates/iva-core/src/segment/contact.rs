@@ -9,6 +9,7 @@
 use crate::number::real::Real;
 use crate::segment::enclosure::Enclosure;
 use crate::segment::flight::{Curve, Jet, Side};
+use crate::segment::quintic::{monomials, root};
 use crate::segment::roots::{DOUBT, Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
@@ -112,6 +113,35 @@ pub fn only_contact<R: Real>(
     let within = begin == 0.0 || begin > doubt;
     let rises = within && begin < wide - doubt && end > wide + doubt && way.rises(unsure);
     rises.then_some((Side::Far, wide))
+}
+
+/// The last step of Newton's method to a contact, over the length of the flight: the next would be its square.
+const CLOSE: f64 = 1e-7;
+
+/// The instant at which the distance of a flight comes to a level, of which values, rates and second derivatives at both
+/// ends tell that it does once: the root of the quintic between them, corrected by Newton's method. `off`: distance from the
+/// level, and rate, at an instant.
+#[inline(always)]
+pub fn meeting<R: Real>(
+    [[begin, end], [rate, end_rate]]: [[R; 2]; 2],
+    bends: [R; 2],
+    level: R,
+    length: R,
+    off: impl Fn(R) -> [R; 2],
+) -> Option<R> {
+    let half_square = length * length * 0.5;
+    let quintic = monomials(
+        &[begin - level, length * rate, half_square * bends[0]],
+        &[end - level, length * end_rate, half_square * bends[1]],
+    );
+    let mut h = length * root(&quintic);
+    let mut step = R::INFINITY;
+    for _ in 0..2 {
+        let [left, rate] = off(h);
+        step = left / rate;
+        h -= step;
+    }
+    (step.abs() <= length * CLOSE && h > 0.0 && h < length).then_some(h)
 }
 
 /// True if a stick episode of this length surely does not end: the same for the pressure, whose terms have this size.

@@ -11,7 +11,8 @@ use crate::absorber::{OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel};
+use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear};
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Side, Travel};
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
@@ -261,6 +262,43 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         );
         self.system.refresh(&mut state);
         state
+    }
+
+    fn clears(&self, length: R, end: &Self::State) -> bool {
+        let k = self.at_hand();
+        let (from, to) = (&self.from.places[k], &end.places[k]);
+        if from.stuck {
+            let pressed = |place: &Place<R>| {
+                let [a, jerk, ..] = place.shaken;
+                [-place.side * a, -place.side * jerk]
+            };
+            let ends = [pressed(from), pressed(to)];
+            return keeps_pressing(ends, self.magnitude(), self.fourth(), length);
+        }
+        let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
+        stays_clear(ends, self.magnitude(), self.fourth(), length)
+    }
+
+    fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
+        let k = self.at_hand();
+        let (from, to) = (&self.from.places[k], &end.places[k]);
+        if from.stuck {
+            return None;
+        }
+        let [values, rates] = [[from.distance, to.distance], [from.rate, to.rate]];
+        let ends = [values, rates].map(|ends| ends.map(|end| end.value));
+        let (side, level) = only_contact(ends, self.magnitude(), self.fourth(), length)?;
+        let bends = [from, to].map(|place| from.side * place.shaken[0]);
+        let h = R::dispatched(
+            #[inline(always)]
+            || {
+                meeting(ends, bends, level, length, |h| {
+                    let Place { distance, rate, .. } = self.place(k, h);
+                    [(distance.value - level) + distance.rest, rate.value]
+                })
+            },
+        )?;
+        Some((h, side))
     }
 
     fn primary(&self, h: R) -> Jet<R> {

@@ -6,16 +6,12 @@ use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::{keeps_pressing, only_contact, stays_clear};
+use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear};
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Seen, Side, Travel,
     Turns,
 };
-use crate::segment::quintic::{monomials, root};
 use crate::segment::taylor::ORDER;
-
-/// The last step of Newton's method to a contact, over the length of the flight: the next would be its square.
-const CLOSE: f64 = 1e-7;
 
 /// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
 /// pressure on that wall while it is stuck.
@@ -233,7 +229,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         stays_clear(ends, clearance, self.structure.bound::<2>(&begin.primary), length)
     }
 
-    /// The root of the quintic through both ends, corrected by Newton's method in plain numbers.
     fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
         let k = usize::from(self.from.at_hand);
         let (from, to) = (self.from.masses.get(k)?, end.masses.get(k)?);
@@ -244,28 +239,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         let (side, level) =
             only_contact(ends, clearance, fourth, length).filter(|_| !from.stuck)?;
         let bends = [&self.from.host, &end.host].map(|host| from.side * host.acceleration.value);
-        let [[begin, end], [rate, end_rate]] = ends;
-        let half_square = length * length * 0.5;
-        let coefficients = monomials(
-            &[begin - level, length * rate, half_square * bends[0]],
-            &[end - level, length * end_rate, half_square * bends[1]],
-        );
-        let mut h = length * root(&coefficients);
-        let mut step = R::INFINITY;
-        R::dispatched(
+        let [[begin, _], [rate, _]] = ends;
+        let h = R::dispatched(
             #[inline(always)]
             || {
-                for _ in 0..2 {
+                meeting(ends, bends, level, length, |h| {
                     let [curved, gained, _] =
                         self.structure.ahead(&self.from.host, &self.course, h);
                     let off = (begin - level) + (rate * h + from.side * curved);
-                    step = off / (rate + from.side * gained);
-                    h -= step;
-                }
+                    [off, rate + from.side * gained]
+                })
             },
-        );
-        let found = step.abs() <= length * CLOSE && h > 0.0 && h < length;
-        found.then_some((h, side))
+        )?;
+        Some((h, side))
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
