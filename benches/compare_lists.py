@@ -4,9 +4,10 @@ Usage: compare_lists.py [--quick]
 
 SciPy integrates by DOP853 from impact to impact, with one terminal event for each wall and plain
 numbers in the equations, the way most people write it. Its tolerance and its longest step are
-varied, and its error is the largest one of its impact times over those of iva: only impacts before the first one that it
-misses count, and are told. The motion forgets its start, so that late impacts tell more of the
-scene than of the tool; a scene ends after 40 impacts. Times are CPU time, the median of some calls.
+varied, and its error is the largest one of its impact times over those of iva: only impacts before
+the first one that it misses count, and are told. The motion forgets its start, so that late impacts
+tell more of the scene than of the tool; a scene ends after 40 impacts. Times are CPU time, those of
+iva the median of some calls.
 """
 
 from __future__ import annotations
