@@ -100,3 +100,98 @@ fn no_series_leaves_out_more_than_its_bound() {
     let median = ratios[ratios.len() / 2];
     assert!(ratios.len() > 5000 && median > 0.05, "{} bounds, median {median}", ratios.len());
 }
+
+/// The same for lists of up to four, of which some are free masses and some are stuck; a list of one pendulum has the bound of
+/// the pendulum.
+#[test]
+fn no_series_of_a_list_leaves_out_more_than_its_bound() {
+    let mut ratios = Vec::new();
+    for index in 0..200u32 {
+        let count = 1 + index % 4;
+        let part = |k: u32, n: u32| f64::from(((index + 53 * n) * k + k / 2) % 101) / 100.0;
+        let zeta = 0.2 * part(3, 0);
+        let member = |n: u32| {
+            let part = |k| part(k, n);
+            let free = n > 0 && part(71) < 0.4;
+            let small = free || part(73) < 0.2;
+            let kappa = if free { 1.0 } else { 1.0 + part(13) };
+            let lever = if free { 1.0 } else { 0.6 + part(29) };
+            Pendulum {
+                mass_ratio: 0.01 + part(31) * part(5),
+                damping_ratio: zeta,
+                contact_distance: 2.0,
+                inertia_ratio: kappa,
+                lever,
+                coupling: 1.0 / (kappa * lever),
+                frequency_squared: if free { 0.0 } else { 3.0 * part(11) },
+                pivot_damping: if free { 0.0 } else { 0.3 * part(23) },
+                spring: Spring::new(if n % 3 == 1 && !free { part(61) } else { 0.0 }, small),
+                small_angles: small,
+            }
+        };
+        let pendulums: Vec<Pendulum> = (0..count).map(member).collect();
+        let members: Vec<_> = (0..count)
+            .zip(&pendulums)
+            .map(|(n, pendulum)| {
+                let angle = 1.6 * part(17, n) - 0.8;
+                let c = if pendulum.small_angles { 1.0 } else { angle.cos() };
+                let (y, stuck) = (2.0 * angle.sin(), n > 0 && part(79, n) < 0.2);
+                let w = if stuck { 0.0 } else { 3.0 * (part(43, n) - 0.5) };
+                let arc = pendulum.arc(y, c);
+                let swing = Swing { x: part(37, 0) - 0.5, u: part(41, 0) - 0.5, y, w, c, arc };
+                crate::segment::taylor::Member { pendulum, swing, stuck, released: false }
+            })
+            .collect();
+        let stuck = members.iter().filter(|it| it.stuck).map(|it| it.pendulum.mass_ratio).sum();
+        let each = pendulums.iter().map(Pendulum::fastest);
+        let fastest = each.fold(zeta + (1.0 + zeta * zeta).sqrt(), f64::max);
+        for h in [0.3, 0.6] {
+            let series_of = crate::segment::taylor::series_of_several::<f64, f64, { ORDER + 1 }>;
+            let short = series_of(&members, zeta, None, (h, ORDER));
+            let longer = crate::segment::taylor::series_of_several::<f64, f64, LONG>;
+            let long = longer(&members, zeta, None, (h, LONG - 1));
+            let flying: Vec<usize> = (0..members.len()).filter(|k| !members[*k].stuck).collect();
+            let in_flight: Vec<_> = flying
+                .iter()
+                .map(|k| several::InFlight { pendulum: &pendulums[*k], series: &short[*k] })
+                .collect();
+            let at = ([0.0; 2], h, 1.0);
+            let bound =
+                several::RemainderOfSeveral::new(&in_flight, &short[0], (zeta, stuck), fastest, at);
+            let Some(bound) = bound else { continue };
+            let beyond = |row: &[f64; LONG]| {
+                row[ORDER + 1..].iter().rev().fold(0.0, |sum, it| sum + it).abs()
+            };
+            let structure = beyond(&long[0].x).max(beyond(&long[0].u));
+            let gaps: Vec<f64> = flying
+                .iter()
+                .map(|k| beyond(&long[*k].y).max(beyond(&long[*k].w) / fastest))
+                .collect();
+            // The errors themselves as what is allowed: each bound is at least that.
+            let unbounded = vec![f64::INFINITY; gaps.len()];
+            if bound.excess(1.0, f64::INFINITY, &unbounded) > 1.0 {
+                continue;
+            }
+            let over = bound.excess(1.0, structure, &unbounded);
+            assert!(structure == 0.0 || over >= 1.0, "{index}, {h}: {structure:e} {over}");
+            for (k, gap) in gaps.iter().enumerate() {
+                let mut allowed = unbounded.clone();
+                allowed[k] = *gap;
+                let over = bound.excess(1.0, f64::INFINITY, &allowed);
+                assert!(*gap == 0.0 || over >= 1.0, "{index}, {h}: gap {k} {gap:e} {over}");
+                if *gap > 0.0 {
+                    ratios.push(1.0 / over);
+                }
+            }
+            if let ([pendulum], [series]) = (&pendulums[..], &short[..]) {
+                let alone = Remainder::new::<ORDER>(pendulum, fastest, series, [0.0; 2], (h, 1.0));
+                let [primary, gap] = alone.left_out(1.0);
+                assert!((bound.excess(1.0, primary, &unbounded) - 1.0).abs() < 1e-12);
+                assert!((bound.excess(1.0, f64::INFINITY, &[gap]) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios[ratios.len() / 2];
+    assert!(ratios.len() > 400 && median > 0.003, "{} bounds, median {median}", ratios.len());
+}
