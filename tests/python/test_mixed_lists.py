@@ -200,6 +200,25 @@ def test_an_angle_is_a_start_of_pendulums() -> None:
     )
 
 
+@pytest.mark.parametrize("place", [0, 1])
+def test_gradients_are_central_differences(place: int) -> None:
+    """Of an absorber's own numbers, of the pendulum and of the mass beside it."""
+    name, change = ("length", 1e-5) if place == 0 else ("mass_ratio", 1e-6)
+    both = (PIVA, SIVA)
+
+    def times(more: float) -> np.ndarray:
+        absorbers = list(both)
+        absorbers[place] = replace(both[place], **{name: getattr(both[place], name) + more})
+        return simulate(absorbers, periods=3).impacts["time"].to_numpy()
+
+    run = simulate([PIVA, SIVA], periods=3, gradients=[f"absorber.{place}.{name}"])
+    found = run.gradients[f"absorber.{place}.{name}"].impacts["time"]
+    expected = (times(change) - times(-change)) / (2 * change)
+    assert len(expected) > 6
+    assert found.null_count() == 0
+    assert found.to_list() == pytest.approx(expected.tolist(), rel=1e-5, abs=1e-7)
+
+
 def test_a_sweep_and_a_verification_run() -> None:
     table = iva.sweep(
         [PIVA, SIVA],
