@@ -196,9 +196,9 @@ pub trait Absorber: ImpactLaw {
     fn wall(&self, state: &Self::State) -> Wall;
     /// Distance to that wall and its derivatives in free motion.
     fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
-    /// Distance and rate alone.
-    fn approach(&self, state: &Self::State) -> [Self::Real; 2] {
-        let Jet { value, rate, .. } = self.distance(state);
+    /// Distance and rate of the absorber of this index alone.
+    fn approach_of(&self, state: &Self::State, absorber: usize) -> [Self::Real; 2] {
+        let Jet { value, rate, .. } = self.distance(&self.turned_to(state, absorber));
         [value, rate]
     }
     /// The state in contact with `wall`, and how much later it is: the small distance left over by rounding

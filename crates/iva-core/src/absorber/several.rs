@@ -38,6 +38,7 @@ pub mod impact_law;
 mod motion;
 mod on_structure;
 mod state;
+mod touching;
 
 /// Largest number of absorbers.
 pub const MOST: usize = 8;
@@ -404,45 +405,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         }
     }
 
-    fn approach(&self, state: &Self::State) -> [R; 2] {
-        let seen = self.seen(state);
-        seen.map_or([R::ONE, R::ZERO], |(_, place)| [place.distance.value, place.rate.value])
+    fn approach_of(&self, state: &Self::State, absorber: usize) -> [R; 2] {
+        let place = state.masses.get(absorber);
+        place.map_or([R::ONE, R::ZERO], |place| [place.distance.value, place.rate.value])
     }
 
-    /// Other masses that are about to meet their walls touch them as well.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
-        let at_hand = usize::from(state.at_hand);
-        let a = state.host.acceleration.value;
-        let Some((mass, place)) = self.seen(state) else { return (*state, R::ZERO) };
-        let met = place.measured_from(wall, mass);
-        let later = impact::delay(met.distance.value, met.rate.value, a);
-        let structure = self.structure(&state.masses);
-        let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
-        let [base, ..] = structure.base(&phase);
-        let gained = a * later;
-        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained - base * later) };
-        let host = HostState { primary, acceleration, phase: structure.later(&phase, later) };
-        let masses = std::array::from_fn(|k| {
-            let (mass, place) = (&self.masses[k], &state.masses[k]);
-            if place.stuck || k >= self.count {
-                return *place;
-            }
-            let after = if k == at_hand { met } else { *place }.moved(later, gained);
-            if k == at_hand {
-                return InGap { distance: DoubleDouble::ZERO, ..after };
-            }
-            let within = R::EPSILON * AT_ONCE_ULPS;
-            let meets = |seen: &InGap<R>| {
-                seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
-            };
-            let across =
-                after.measured_from(if after.side > 0.0 { Wall::Minus } else { Wall::Plus }, mass);
-            match [after, across].into_iter().find(meets) {
-                Some(seen) => InGap { distance: DoubleDouble::ZERO, ..seen },
-                None => after,
-            }
-        });
-        (SeveralState { host, masses, at_hand: state.at_hand }, later)
+        R::dispatched(
+            #[inline(always)]
+            || self.touching(state, wall),
+        )
     }
 
     /// The release is where A = 0, for all stuck masses at once. With x set to the balance, the pressure is exactly 0.

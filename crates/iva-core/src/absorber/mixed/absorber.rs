@@ -123,9 +123,9 @@ impl<R: Real, H: Host<Real = R>> Absorber for Mixed<H> {
         self.distance_of(state, k)
     }
 
-    fn approach(&self, state: &Self::State) -> [R; 2] {
-        let (k, _) = self.at_hand(state);
-        [state.places[k].distance.value, state.places[k].rate()]
+    fn approach_of(&self, state: &Self::State, absorber: usize) -> [R; 2] {
+        let place = &state.places[absorber];
+        [place.distance.value, place.rate()]
     }
 
     /// Others that are about to meet their walls touch them as well.

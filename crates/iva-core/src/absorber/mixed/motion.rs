@@ -37,28 +37,34 @@ pub struct MixedFlight<'a, H: Host> {
 
 impl<R: Real, H: Host<Real = R>> Mixed<H> {
     /// All absorbers at the begin of a motion.
+    #[inline(always)]
     fn swings(&self, state: &MixedState<H>) -> Vec<Member<'_, R>> {
-        let swing = |k: usize| {
-            let (pendulum, seen) = (&self.members[k].pendulum, self.seen(state, k));
+        let mut swings = Vec::with_capacity(self.members.len());
+        for (k, member) in self.members.iter().enumerate() {
+            let (pendulum, seen) = (&member.pendulum, self.seen(state, k));
             let Placed { stuck, released, .. } = state.places[k];
-            Member { pendulum, swing: seen.swing(pendulum), stuck, released }
-        };
-        (0..self.members.len()).map(swing).collect()
+            swings.push(Member { pendulum, swing: seen.swing(pendulum), stuck, released });
+        }
+        swings
     }
 
     /// The same to twice the precision, and the cosines.
+    #[inline(always)]
     fn precise_swings(
         &self,
         state: &MixedState<H>,
     ) -> (Vec<Member<'_, DoubleDouble<R>>>, Vec<DoubleDouble<R>>) {
-        let swing = |k: usize| {
-            let (pendulum, seen) = (&self.members[k].pendulum, self.seen(state, k));
+        let count = self.members.len();
+        let (mut swings, mut cosines) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (k, member) in self.members.iter().enumerate() {
+            let (pendulum, seen) = (&member.pendulum, self.seen(state, k));
             let cosine = seen.precise_cosine(pendulum);
             let Placed { stuck, released, .. } = state.places[k];
             let swing = seen.precise_swing(pendulum, cosine);
-            (Member { pendulum, swing, stuck, released }, cosine)
-        };
-        (0..self.members.len()).map(swing).unzip()
+            swings.push(Member { pendulum, swing, stuck, released });
+            cosines.push(cosine);
+        }
+        (swings, cosines)
     }
 
     /// The first Taylor coefficients of the motion from a state of each absorber, in powers of t: four at most.
@@ -66,11 +72,11 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
         &self,
         state: &MixedState<H>,
     ) -> Vec<Series<R, LENGTH>> {
-        let (swings, zeta) = (self.swings(state), self.host.damping_ratio());
+        let zeta = self.host.damping_ratio();
         R::dispatched(
             #[inline(always)]
             || {
-                let drive = self.host.drive_ahead(&state.phase);
+                let (swings, drive) = (self.swings(state), self.host.drive_ahead(&state.phase));
                 series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, LENGTH - 1))
             },
         )
@@ -93,10 +99,11 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
 
     /// The pressure of a stuck absorber on its wall and its derivatives.
     pub(super) fn pressure_of(&self, state: &MixedState<H>, k: usize) -> Jet<R> {
-        let (swings, zeta) = (self.swings(state), self.host.damping_ratio());
+        let zeta = self.host.damping_ratio();
         let series: Vec<Series<R, 5>> = R::dispatched(
             #[inline(always)]
             || {
+                let swings = self.swings(state);
                 let whole = self.host.drive(&state.phase, R::ONE);
                 let drive = whole.as_ref().map(|it| Drive {
                     primary: std::array::from_fn(|k| it.primary[k]),
@@ -121,11 +128,14 @@ impl<'a, R: Real, H: Host<Real = R>> MixedFlight<'a, H> {
         let longest = system.longest_step(&from);
         // A power of two: h/step is exact then, and the terms of the series belong to one instant.
         let step = R::power_of_two(longest);
-        let drive = system.host.drive(&from.phase, step);
-        let (swings, zeta) = (system.swings(&from), system.host.damping_ratio());
-        let series = R::dispatched(
+        let zeta = system.host.damping_ratio();
+        let (series, drive) = R::dispatched(
             #[inline(always)]
-            || series_of_several(&swings, zeta, drive.as_ref(), (step, ORDER)),
+            || {
+                let drive = system.host.drive(&from.phase, step);
+                let swings = system.swings(&from);
+                (series_of_several(&swings, zeta, drive.as_ref(), (step, ORDER)), drive)
+            },
         );
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let share = system.share_proved(&series, (step, longest / step), &from, size);
@@ -134,41 +144,40 @@ impl<'a, R: Real, H: Host<Real = R>> MixedFlight<'a, H> {
         Self { system, from, series, drive, step, reach, proved: share.is_some() }
     }
 
-    /// The state at h; `precise`: the linear terms to twice the precision.
+    /// The state at h, but that of the drive; `precise`: the linear terms to twice the precision.
+    #[inline(always)]
     fn moved(&self, h: R, precise: bool) -> MixedState<H> {
         if h == 0.0 {
             return self.from;
         }
         let Self { system, from, series, step, .. } = self;
         let (length, mut to) = (*step, *from);
-        R::dispatched(
+        let precise = precise.then(
             #[inline(always)]
             || {
-                let precise = precise.then(|| {
-                    let (swings, cosines) = system.precise_swings(from);
-                    let (drive, zeta) =
-                        (system.host.drive_now(&from.phase), system.host.damping_ratio());
-                    let first: Vec<Series<DoubleDouble<R>, 2>> =
-                        series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, 1));
-                    (first, cosines)
-                });
-                for (k, member) in system.members.iter().enumerate() {
-                    let seen = system.seen(from, k);
-                    let series = &series[k];
-                    let step = Step { pendulum: &member.pendulum, from: &seen, series, length };
-                    let at = match &precise {
-                        Some((first, cosines)) => step.arrived::<ORDER>(h, cosines[k], &first[k]),
-                        None => step.state::<ORDER>(h),
-                    };
-                    to.primary = at.primary;
-                    to.places[k] = if from.places[k].stuck {
-                        Placed { released: false, ..from.places[k] }
-                    } else {
-                        from.places[k].moved_to(&at)
-                    };
-                }
+                let (swings, cosines) = system.precise_swings(from);
+                let (drive, zeta) =
+                    (system.host.drive_now(&from.phase), system.host.damping_ratio());
+                let first: Vec<Series<DoubleDouble<R>, 2>> =
+                    series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, 1));
+                (first, cosines)
             },
         );
+        for (k, member) in system.members.iter().enumerate() {
+            let seen = system.seen(from, k);
+            let series = &series[k];
+            let step = Step { pendulum: &member.pendulum, from: &seen, series, length };
+            let at = match &precise {
+                Some((first, cosines)) => step.arrived::<ORDER>(h, cosines[k], &first[k]),
+                None => step.state::<ORDER>(h),
+            };
+            to.primary = at.primary;
+            to.places[k] = if from.places[k].stuck {
+                Placed { released: false, ..from.places[k] }
+            } else {
+                from.places[k].moved_to(&at)
+            };
+        }
         to
     }
 
@@ -197,20 +206,31 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
     }
 
     fn state(&self, h: R) -> Self::State {
-        let free = self.system.host.free();
-        // A pressure is a small difference of the drive and what it moves, so that its zero asks for all digits.
-        let phase = if self.at_hand().1.stuck {
-            free.within(&self.from.phase, h)
-        } else {
-            free.nearly_within(&self.from.phase, h)
-        };
-        MixedState { phase, ..self.moved(h, false) }
+        let (free, stuck) = (self.system.host.free(), self.at_hand().1.stuck);
+        R::dispatched(
+            #[inline(always)]
+            || {
+                // A pressure is a small difference of the drive and what it moves, so that its zero asks for all
+                // digits.
+                let phase = if stuck {
+                    free.within(&self.from.phase, h)
+                } else {
+                    free.nearly_within(&self.from.phase, h)
+                };
+                MixedState { phase, ..self.moved(h, false) }
+            },
+        )
     }
 
     fn arrival(&self, h: R) -> Self::State {
         let free = self.system.host.free();
-        let phase = free.renewed(&free.within(&self.from.phase, h));
-        MixedState { phase, ..self.moved(h, true) }
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let phase = free.renewed(&free.within(&self.from.phase, h));
+                MixedState { phase, ..self.moved(h, true) }
+            },
+        )
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {

@@ -135,6 +135,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
 
+    fn approach_of(&self, state: &Self::State, absorber: usize) -> [R; 2] {
+        let place = state.places.get(absorber).filter(|_| absorber < self.count);
+        place.map_or([R::ONE, R::ZERO], |place| [place.distance.value, place.rate.value])
+    }
+
     /// Other masses that are about to meet their walls touch them as well.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let (at_hand, mass, place) = self.at_hand_of(state);

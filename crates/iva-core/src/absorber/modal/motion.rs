@@ -292,10 +292,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let h = R::dispatched(
             #[inline(always)]
             || {
-                meeting(ends, bends, level, length, |h| {
-                    let Place { distance, rate, .. } = self.place(k, h);
-                    [(distance.value - level) + distance.rest, rate.value]
-                })
+                meeting(
+                    ends,
+                    bends,
+                    level,
+                    length,
+                    #[inline(always)]
+                    |h| {
+                        let Place { distance, rate, .. } = self.place(k, h);
+                        [(distance.value - level) + distance.rest, rate.value]
+                    },
+                )
             },
         )?;
         Some((h, side))

@@ -45,6 +45,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
 
     /// The velocity that the structure gains where some masses, with a restitution each, have an impact and all that
     /// moves together has a mass.
+    #[inline(always)]
     fn gained(
         &self,
         state: &SeveralState<H, N>,
@@ -70,18 +71,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
             struck[k].then(|| self.masses[k].law_for(side, -rate.value).restitution)
         })
     }
-}
 
-impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
-    /// That on the structure without other masses stuck to it, where chatters are summed.
-    fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
-        let Some(mass) = self.masses().get(absorber) else {
-            return LawAt::constant(R::ZERO, R::ZERO, R::ZERO, R::ZERO);
-        };
-        mass.law_at(wall, approach, self.host.damping_ratio())
-    }
-
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+    /// The state after the impacts of all masses that touch their walls and approach them, and that of the absorber at hand.
+    #[inline(always)]
+    fn collided(&self, state: &SeveralState<H, N>, time: R) -> (SeveralState<H, N>, Impact<R>) {
         let struck = self.struck(state);
         let restitutions = self.restitutions(state, struck);
         // Its sign is that of the velocity gained, whatever is carried, and its size is no smaller.
@@ -129,6 +122,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             energy_loss: mass.mass_ratio * 0.5 * (R::ONE - e) * w * opposed,
         };
         (after, impact)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
+    /// That on the structure without other masses stuck to it, where chatters are summed.
+    fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
+        let Some(mass) = self.masses().get(absorber) else {
+            return LawAt::constant(R::ZERO, R::ZERO, R::ZERO, R::ZERO);
+        };
+        mass.law_at(wall, approach, self.host.damping_ratio())
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        R::dispatched(
+            #[inline(always)]
+            || self.collided(state, time),
+        )
     }
 
     /// The absorber at hand sticks, with all masses that are stuck already.

@@ -38,6 +38,23 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
         self.at_hand().is_some_and(|mass| mass.stuck)
     }
 
+    /// The state after a motion of length h.
+    #[inline(always)]
+    fn moved(&self, h: R) -> SeveralState<H, N> {
+        let Flown { to, gained } = self.structure.flown(&self.from.host, &self.course, h);
+        let mut masses = self.from.masses;
+        for mass in masses[..self.system.count].iter_mut().filter(|mass| !mass.stuck) {
+            let sided = |sum: DoubleDouble<R>| DoubleDouble {
+                value: mass.side * sum.value,
+                rest: mass.side * sum.rest,
+            };
+            let straight = mass.rate.product(DoubleDouble::new(h));
+            let distance = mass.distance.plus_both(straight, sided(gained.curved));
+            (mass.distance, mass.rate) = (distance, mass.rate + sided(gained.velocity));
+        }
+        SeveralState { host: to, masses, at_hand: self.from.at_hand }
+    }
+
     /// The energy lost and the work done in a motion of length h, of structure and one mass with this gap velocity.
     fn integrals(&self, mass_ratio: R, gap_velocity: Option<R>, h: R) -> [R; 2] {
         let (from, course) = (&self.from.host, &self.course);
@@ -63,23 +80,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn state(&self, h: R) -> Self::State {
-        let Flown { to, gained } = R::dispatched(
+        R::dispatched(
             #[inline(always)]
-            || self.structure.flown(&self.from.host, &self.course, h),
-        );
-        let mut masses = self.from.masses;
-        for mass in masses[..self.system.count].iter_mut().filter(|mass| !mass.stuck) {
-            let sided = |sum: DoubleDouble<R>| DoubleDouble {
-                value: mass.side * sum.value,
-                rest: mass.side * sum.rest,
-            };
-            let straight = mass.rate.product(DoubleDouble::new(h));
-            let distance = mass.distance.plus_both(straight, sided(gained.curved));
-            (mass.distance, mass.rate) = (distance, mass.rate + sided(gained.velocity));
-        }
-        SeveralState { host: to, masses, at_hand: self.from.at_hand }
+            || self.moved(h),
+        )
     }
-
     /// A structure alone meets no wall in any finite motion. Several masses are looked at one by one, a single one as they are.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
         if N > 0 && (!R::FAST_PATHS || self.system.count > 1) {
@@ -100,9 +105,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn arrival(&self, h: R) -> Self::State {
-        let mut state = self.state(h);
-        self.structure.refresh(&mut state.host);
-        state
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let mut state = self.moved(h);
+                self.structure.refresh(&mut state.host);
+                state
+            },
+        )
     }
 
     fn primary(&self, h: R) -> Jet<R> {
@@ -243,12 +253,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         let h = R::dispatched(
             #[inline(always)]
             || {
-                meeting(ends, bends, level, length, |h| {
-                    let [curved, gained, _] =
-                        self.structure.ahead(&self.from.host, &self.course, h);
-                    let off = (begin - level) + (rate * h + from.side * curved);
-                    [off, rate + from.side * gained]
-                })
+                meeting(
+                    ends,
+                    bends,
+                    level,
+                    length,
+                    #[inline(always)]
+                    |h| {
+                        let [curved, gained, _] =
+                            self.structure.ahead(&self.from.host, &self.course, h);
+                        let off = (begin - level) + (rate * h + from.side * curved);
+                        [off, rate + from.side * gained]
+                    },
+                )
             },
         )?;
         Some((h, side))

@@ -133,10 +133,18 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.observer.absorbers(&each);
     }
 
-    /// True if an absorber, seen as the one at hand, touches its wall and approaches it.
+    /// True if an absorber touches its wall and approaches it.
     fn strikes(&self, absorber: usize, state: &S::State) -> bool {
-        let [distance, rate] = self.system.approach(&self.system.turned_to(state, absorber));
+        let [distance, rate] = self.system.approach_of(state, absorber);
         distance == 0.0 && rate < 0.0
+    }
+
+    /// True if an absorber is in a stick episode.
+    fn rides(&self, absorber: usize) -> bool {
+        if absorber == self.system.at_hand(&self.tally.state) {
+            return self.riding.is_some();
+        }
+        self.waiting[absorber].riding.is_some()
     }
 
     /// Decides what absorbers do that start at their walls.
@@ -248,8 +256,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// it, go on in their chatter, or stick. One that approaches its wall has an impact next.
     pub(super) fn settle(&mut self) {
         for absorber in 0..self.system.absorbers() {
-            self.turn_to(absorber);
-            if self.riding.is_some() {
+            if self.rides(absorber) {
+                self.turn_to(absorber);
                 let state = self.tally.state;
                 if self.system.is_stuck(&state) && presses(&self.system.distance(&state)) {
                     continue;
@@ -257,8 +265,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 self.tally.state = self.system.freed(&state);
                 self.let_go();
             }
-            let [distance, rate] = self.system.approach(&self.tally.state);
+            let [distance, rate] = self.system.approach_of(&self.tally.state, absorber);
             if distance == 0.0 && rate >= 0.0 {
+                self.turn_to(absorber);
                 self.leave_or_stick();
             }
         }
@@ -267,8 +276,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Ends the stick episodes of the absorbers that a release has freed.
     pub(super) fn let_go_all(&mut self) {
         for absorber in 0..self.system.absorbers() {
+            if !self.rides(absorber) {
+                continue;
+            }
             self.turn_to(absorber);
-            if self.riding.is_some() && !self.system.is_stuck(&self.tally.state) {
+            if !self.system.is_stuck(&self.tally.state) {
                 self.let_go();
             }
         }

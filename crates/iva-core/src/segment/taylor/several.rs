@@ -48,15 +48,15 @@ struct Growing<'a, T: Number, const LENGTH: usize> {
 }
 
 impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGTH> {
+    #[inline(always)]
     fn new(member: &'a Member<'a, T>) -> Self {
         let zero = T::from_real(R::ZERO);
-        let begun = |value: T| {
-            let mut row = [zero; LENGTH];
-            row[0] = value;
-            row
-        };
+        let mut rows = [[zero; LENGTH]; 4];
         let Swing { y, w, c, arc, .. } = member.swing;
-        let [y, w, c, arc] = [y, w, c, arc].map(begun);
+        for (row, value) in rows.iter_mut().zip([y, w, c, arc]) {
+            row[0] = value;
+        }
+        let [y, w, c, arc] = rows;
         let b = T::from_real(member.pendulum.contact_distance);
         let over_b2 = T::reciprocal(1) / (b * b);
         let (gained, rest, swept, swung) = (zero, zero, zero, zero);
@@ -131,18 +131,26 @@ pub(crate) fn series_of_several<R: Real, T: Number<Real = R>, const LENGTH: usiz
     }
     let over_inertia = T::reciprocal(1) / (T::reciprocal(1) + inertia);
     let (step, over_step) = (n(h), T::over(h));
-    let mut growing: Vec<Growing<'_, T, LENGTH>> = members.iter().map(Growing::new).collect();
+    // Loops instead of closures, which would be compiled without the instructions of who calls this.
+    let mut growing: Vec<Growing<'_, T, LENGTH>> = Vec::with_capacity(members.len());
+    for member in members {
+        growing.push(Growing::new(member));
+    }
     let [mut x, mut u, mut a] = [[zero; LENGTH]; 3];
     (x[0], u[0]) = (first.swing.x, first.swing.u);
     for k in 0..order {
         let [driven, base] = drive.map_or([zero; 2], |it| [it.primary[k], it.base[k]]);
         let mut push = driven - x[k] - n(damping_ratio * 2.0) * u[k];
-        for it in growing.iter_mut().filter(|it| !it.member.stuck) {
-            push = push - it.prepare(k, &a, (step, over_step));
+        for it in &mut growing {
+            if !it.member.stuck {
+                push = push - it.prepare(k, &a, (step, over_step));
+            }
         }
         a[k] = push * over_inertia;
-        for it in growing.iter_mut().filter(|it| !it.member.stuck) {
-            it.raise(k, a[k], step);
+        for it in &mut growing {
+            if !it.member.stuck {
+                it.raise(k, a[k], step);
+            }
         }
         let over = step * T::reciprocal(k + 1);
         u[k + 1] = over * (a[k] - base);

@@ -33,6 +33,7 @@ impl<R: Real> RemainderOfSeveral<R> {
     /// The bound for the series of a step of length h, up to `most` of it, of a structure with damping ratio ζ to which
     /// absorbers of mass ratio m are stuck: `carried` is (ζ, m). The other arguments are those of
     /// [`super::Remainder::new`]. `None` if nothing is proved.
+    #[inline(always)]
     pub fn new(
         flying: &[InFlight<'_, R>],
         structure: &Series<R>,
@@ -41,27 +42,29 @@ impl<R: Real> RemainderOfSeveral<R> {
         (driven, h, most): ([R; 2], R, R),
     ) -> Option<Self> {
         let (length, n) = (h * most, R::from(ORDER as f64));
-        let sums: Vec<Sums<R>> =
-            flying.iter().map(|it| Sums::new::<ORDER>(it.series, most)).collect();
         let of_structure = Sums::new::<ORDER>(structure, most);
-        let own =
-            |(it, sums): (&InFlight<'_, R>, &Sums<R>)| Own::new(it.pendulum, sums, length, ORDER);
-        let own: Vec<Own<R>> = flying.iter().zip(&sums).map(own).collect();
+        // Loops instead of closures, which would be compiled without the instructions of who calls this.
+        let mut seen = Vec::with_capacity(flying.len());
+        for it in flying {
+            let sums = Sums::new::<ORDER>(it.series, most);
+            let own = Own::new(it.pendulum, &sums, length, ORDER);
+            seen.push((sums, own));
+        }
         let freed = |it: &InFlight<'_, R>| {
             it.pendulum.mass_ratio * (R::ONE - R::ONE / it.pendulum.inertia_ratio)
         };
         let inertia = flying.iter().fold(R::ONE + stuck, |sum, it| sum + freed(it));
         let over_inertia = R::from(WIDER) / inertia;
-        let residual = own.iter().fold(R::ZERO, |sum, it| sum + it.pulled)
+        let residual = seen.iter().fold(R::ZERO, |sum, (_, own)| sum + own.pulled)
             + of_structure.x_last
             + damping_ratio * 2.0 * of_structure.u_last
             + driven[0];
         let acceleration = residual * over_inertia;
         let pushed = (of_structure.a + acceleration, over_inertia);
-        let slopes = |(it, sums): (&InFlight<'_, R>, &Sums<R>)| {
-            Slopes::new(it.pendulum, sums, pushed, (fastest, length))
-        };
-        let slopes: Vec<Slopes<R>> = flying.iter().zip(&sums).map(slopes).collect();
+        let mut slopes = Vec::with_capacity(flying.len());
+        for (it, (sums, _)) in flying.iter().zip(&seen) {
+            slopes.push(Slopes::new(it.pendulum, sums, pushed, (fastest, length)));
+        }
 
         // Rows and columns: the structure, then the gaps.
         let count = flying.len() + 1;
@@ -83,20 +86,19 @@ impl<R: Real> RemainderOfSeveral<R> {
             }
             pendulum.coupling * through_a * wide / fastest
         };
-        let mut kept: Vec<Vec<R>> = (0..count)
-            .map(|row| {
-                let one = |column: usize| if row == column { R::ONE } else { R::ZERO };
-                (0..count).map(|column| one(column) - entry(row, column) * growth).collect()
-            })
-            .collect();
+        let mut kept = Vec::with_capacity(count * count);
+        for row in 0..count {
+            for column in 0..count {
+                let one = if row == column { R::ONE } else { R::ZERO };
+                kept.push(one - entry(row, column) * growth);
+            }
+        }
         let begin = R::larger(length * of_structure.u_last, length * (acceleration + driven[1]));
-        let mut errors = vec![begin];
-        errors.extend(
-            flying
-                .iter()
-                .zip(&own)
-                .map(|(it, own)| own.delta(it.pendulum, acceleration, length, fastest)),
-        );
+        let mut errors = Vec::with_capacity(count);
+        errors.push(begin);
+        for (it, (_, own)) in flying.iter().zip(&seen) {
+            errors.push(own.delta(it.pendulum, acceleration, length, fastest));
+        }
         solve(&mut kept, &mut errors)?;
         let scale = R::from(MARGIN) / (n + 1.0);
         let mut errors = errors.into_iter().map(|error| error * scale);
@@ -110,7 +112,7 @@ impl<R: Real> RemainderOfSeveral<R> {
             .fold(by_primary * structure, |sum, (slopes, gap)| sum + slopes.by_gap * *gap);
         let mut within = R::ZERO;
         let mut off_circle = R::ZERO;
-        for ((it, own), gap) in flying.iter().zip(&own).zip(&gaps) {
+        for ((it, (_, own)), gap) in flying.iter().zip(&seen).zip(&gaps) {
             let over_b = R::ONE / it.pendulum.contact_distance;
             off_circle += own.off_circle(it.pendulum);
             for size in [*gap * fastest * over_b, shaken * it.pendulum.coupling * over_b] {
@@ -135,15 +137,16 @@ impl<R: Real> RemainderOfSeveral<R> {
     }
 }
 
-/// Solves K e = δ in the place of δ by elimination; `None` if a pivot is not positive.
-fn solve<R: Real>(kept: &mut [Vec<R>], errors: &mut [R]) -> Option<()> {
-    for k in 0..errors.len() {
-        let (above, below) = kept.split_at_mut(k + 1);
-        let pivots = &above[k];
+/// Solves K e = δ in the place of δ by elimination, the rows of K one after the other; `None` if a pivot is not positive.
+fn solve<R: Real>(kept: &mut [R], errors: &mut [R]) -> Option<()> {
+    let count = errors.len();
+    for k in 0..count {
+        let (above, below) = kept.split_at_mut((k + 1) * count);
+        let pivots = &above[k * count..];
         if pivots[k] <= 0.0 || pivots[k].is_nan() {
             return None;
         }
-        for (row, entries) in below.iter_mut().enumerate() {
+        for (row, entries) in below.chunks_exact_mut(count).enumerate() {
             let factor = entries[k] / pivots[k];
             for (entry, pivot) in entries.iter_mut().zip(pivots).skip(k + 1) {
                 *entry -= factor * *pivot;
@@ -152,10 +155,11 @@ fn solve<R: Real>(kept: &mut [Vec<R>], errors: &mut [R]) -> Option<()> {
             errors[k + 1 + row] -= part;
         }
     }
-    for k in (0..errors.len()).rev() {
-        let known = kept[k].iter().zip(errors.iter()).skip(k + 1);
+    for k in (0..count).rev() {
+        let row = &kept[k * count..(k + 1) * count];
+        let known = row.iter().zip(errors.iter()).skip(k + 1);
         let known = known.fold(errors[k], |sum, (entry, error)| sum - *entry * *error);
-        errors[k] = known / kept[k][k];
+        errors[k] = known / row[k];
     }
     Some(())
 }
