@@ -19,7 +19,7 @@ use crate::force::Drive;
 use crate::host::{Host, Phase};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::{Number, ORDER};
+use crate::segment::taylor::Number;
 
 /// The longest motion in units of 1/Λ.
 pub(super) const LONGEST: f64 = 0.8;
@@ -201,21 +201,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The displacement of a shape beyond a uniform motion, with that of the base or without, from the series of all modes:
-    /// ∬A.
+    /// ∬A up to `order`.
     #[inline(always)]
     pub(super) fn curved(
         &self,
         rows: &[Series<R>],
         (shape, with_base): (&[R], bool),
         pushes: &impl Fn(usize) -> Pushed<R>,
-        unit: R,
+        (unit, order): (R, usize),
     ) -> Series<R> {
         let mut sum = Series::ZERO;
         for (row, phi) in rows.iter().zip(shape) {
-            sum.add(row, *phi);
+            sum.add(row, *phi, order);
         }
         if with_base && self.host.moves_base() {
-            for m in 2..=ORDER {
+            for m in 2..=order {
                 let [_, a] = pushes(m - 2);
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
                 let moved = scaled(a, unit * unit) * over;
@@ -235,17 +235,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let stuck = self.stuck_in(&state.places);
                 let pushes = self.pushes(&state.phase, R::ONE);
                 let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
-                std::array::from_fn::<_, N, _>(|k| {
-                    if k >= self.count {
-                        return [R::ZERO; 4];
-                    }
+                // A loop instead of a closure, which would be compiled without the instructions of this function.
+                let mut shaken = [[R::ZERO; 4]; N];
+                for (k, shaken) in shaken[..self.count].iter_mut().enumerate() {
                     let followed = self.followed(k, state.places[k].stuck);
-                    let curved = self.curved(&rows, followed, &pushes, R::ONE);
-                    [2, 3, 4, 5].map(|m| {
-                        let factorial = [0.0, 0.0, 2.0, 6.0, 24.0, 120.0][m];
-                        R::get(&curved, m) * factorial
-                    })
-                })
+                    let curved = self.curved(&rows, followed, &pushes, (R::ONE, 5));
+                    for (shaken, (m, factorial)) in
+                        shaken.iter_mut().zip([(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)])
+                    {
+                        *shaken = R::get(&curved, m) * factorial;
+                    }
+                }
+                shaken
             },
         );
         for (place, shaken) in state.places.iter_mut().zip(shaken) {

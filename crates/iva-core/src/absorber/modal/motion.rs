@@ -49,18 +49,16 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
             || {
                 let pushes = system.pushes(&from.phase, unit);
                 let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
-                let curved = std::array::from_fn(|k| {
-                    if k >= system.count {
-                        return Series::ZERO;
-                    }
+                // A loop instead of a closure, which would be compiled without the instructions of this function.
+                let mut curved = [Series::ZERO; N];
+                for (k, curved) in curved[..system.count].iter_mut().enumerate() {
                     let followed = system.followed(k, from.places[k].stuck);
-                    let mut curved = system.curved(&rows, followed, &pushes, unit);
+                    *curved = system.curved(&rows, followed, &pushes, (unit, ORDER));
                     // At a release the acceleration is set to 0 without rounding.
                     if from.places[k].shaken[0] == 0.0 {
                         curved.set(2, DoubleDouble::ZERO);
                     }
-                    curved
-                });
+                }
                 (rows, curved, base_row(pushes))
             },
         );
@@ -93,11 +91,16 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
 
     /// The displacement of a point of this shape.
     fn displacement(&self, shape: &[R]) -> Series<R> {
-        let mut sum = Series::ZERO;
-        for (row, phi) in self.rows.iter().zip(shape) {
-            sum.add(row, *phi);
-        }
-        sum
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let mut sum = Series::ZERO;
+                for (row, phi) in self.rows.iter().zip(shape) {
+                    sum.add(row, *phi, ORDER);
+                }
+                sum
+            },
+        )
     }
 
     /// The place of a mass at h. Its accelerations are those that its curve needs.

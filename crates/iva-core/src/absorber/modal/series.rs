@@ -77,13 +77,14 @@ impl<R: Real> Series<R> {
         value.put(self, power);
     }
 
-    /// Adds a series times a number.
+    /// Adds a series times a number, up to a power.
     #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self, factor: R) {
-        for (sum, more) in self.first.iter_mut().zip(&other.first) {
+    pub(super) fn add(&mut self, other: &Self, factor: R, order: usize) {
+        for (sum, more) in self.first.iter_mut().zip(&other.first).take(order + 1) {
             *sum = *sum + more.times(factor);
         }
-        for (sum, more) in self.rest.iter_mut().zip(&other.rest) {
+        let rest = (order + 1).saturating_sub(EXACT);
+        for (sum, more) in self.rest.iter_mut().zip(&other.rest).take(rest) {
             *sum = more.mul_add(factor, *sum);
         }
     }

@@ -65,11 +65,16 @@ impl<R: Real> Modes<R> {
 
     /// Displacement and velocity of a point of this shape.
     pub(super) fn of_point(&self, shape: &[R]) -> [DoubleDouble<R>; 2] {
-        let sum = |parts: &[DoubleDouble<R>]| {
-            let both = parts.iter().zip(shape);
-            both.fold(DoubleDouble::ZERO, |sum, (part, phi)| sum + part.times(*phi))
-        };
-        [sum(&self.places), sum(&self.velocities)]
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let (mut place, mut velocity) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
+                for ((q, v), phi) in self.places.iter().zip(&self.velocities).zip(shape) {
+                    (place, velocity) = (place + q.times(*phi), velocity + v.times(*phi));
+                }
+                [place, velocity]
+            },
+        )
     }
 
     /// The modes after an impulse on the point of this shape.
