@@ -54,6 +54,59 @@ def test_energy_lost_in_impacts_is_that_of_the_table(run: iva.Run) -> None:
         assert step == pytest.approx(row["energy_loss"], abs=1e-15)
 
 
+LISTS: dict[str, list[iva.Siva | iva.Piva]] = {
+    "masses": [
+        iva.Siva(mass_ratio=0.2, clearance=0.3, restitution=0.5, units=2, clearance_spread=0.1),
+        iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.0),
+    ],
+    "mass and pendulum": [
+        iva.Siva(mass_ratio=0.1, clearance=0.3, restitution=0.5),
+        iva.Piva(
+            mass_ratio=0.1,
+            clearance=0.5,
+            length=2.0,
+            restitution=0.6,
+            frequency_ratio=0.4,
+            pivot_damping_ratio=0.02,
+        ),
+    ],
+    "dashpots": [
+        iva.Siva(mass_ratio=0.1, clearance=0.3, restitution=0.5, gap_damping_ratio=0.002),
+        iva.Siva(mass_ratio=0.1, clearance=0.4, restitution=0.5, units=2, gap_damping_ratio=0.01),
+    ],
+}
+
+
+@pytest.mark.parametrize("force", [None, iva.Harmonic(amplitude=0.1, relative_frequency=1.0)])
+@pytest.mark.parametrize("scene", LISTS)
+def test_energy_of_a_list_is_somewhere(scene: str, force: iva.Harmonic | None) -> None:
+    run = iva.simulate(
+        LISTS[scene],
+        iva.Primary(damping_ratio=0.01),
+        start=iva.Start(displacement=1.0),
+        force=force,
+        periods=6,
+    )
+    split, row = energy_split.split_of(run), run.summary.row(0, named=True)
+    whole = split.total.max()
+    put_in = row["energy_initial"] + row["energy_work"]
+    assert split.total[0] == pytest.approx(row["energy_initial"], rel=1e-12)
+    assert split.total[-1] == pytest.approx(put_in, abs=1e-8 * whole)
+    held = split.layers["structure"] + split.layers["absorber"]
+    assert held[-1] == pytest.approx(row["energy_final"], abs=1e-12 * whole)
+    own = {"mass and pendulum": "pivot", "dashpots": "dashpot"}.get(scene)
+    for name, column in (
+        ("damper", "energy_viscous"),
+        ("impacts", "energy_impacts"),
+        (own, "energy_pivot"),
+    ):
+        last = split.layers[name][-1] if name else 0.0
+        assert last == pytest.approx(row[column], abs=1e-8 * whole), name
+        if name:
+            assert np.diff(split.layers[name]).min() > -1e-9 * whole, "a loss only grows"
+    assert len(plots.energy(run).collections) == len(split.layers)
+
+
 FORCED: dict[str, Any] = {
     "harmonic": iva.Harmonic(force=2.0, relative_frequency=1.0),
     "base": iva.Harmonic(base_acceleration=2.0, relative_frequency=1.0),

@@ -78,7 +78,6 @@ def test_what_shows_one_refuses_several(tmp_path: Path) -> None:
     """With the number of absorbers, and what to give."""
     run = pair()
     refused: list[Callable[[], object]] = [
-        lambda: iva.plots.energy(run),
         lambda: iva.plots.slow_manifold(run),
         lambda: iva.plots.animate(run, tmp_path / "film.gif"),
     ]

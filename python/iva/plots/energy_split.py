@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from iva.design import Design, design_of
@@ -23,6 +24,7 @@ from iva.plots.styles import (
     drawing_on,
     legend_above,
 )
+from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.spelling import spell_checked
 
@@ -45,6 +47,7 @@ MOST_SAMPLES = 10_000
 TOLERANCE = 1e-4
 
 Motion = dict[str, Numbers]
+Marks = npt.NDArray[np.bool_]
 
 
 @spell_checked
@@ -52,11 +55,11 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     """Draw how the energy splits over time: what the masses have, and what each loss has taken.
 
     From below: structure (kinetic, and of its spring), absorber (kinetic, and in gravity, where it
-    is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in
-    steps), and in a pendulum's pivot, in friction or in a dashpot in the gap. In free decay
-    everything is relative to the initial energy and fills the height up to 1. Under forces energies
-    are drawn in their unit, and the upper edge is the initial energy plus the work done so far.
-    Without absorber there are structure and damper alone.
+    is a pendulum or its motion rises; of several absorbers all together), then what has been lost
+    in the damper, in impacts (in steps), and in a pendulum's pivot, in friction or in a dashpot in
+    the gap. In free decay everything is relative to the initial energy and fills the height up to
+    1. Under forces energies are drawn in their unit, and the upper edge is the initial energy plus
+    the work done so far. Without absorber there are structure and damper alone.
 
     Parameters
     ----------
@@ -97,7 +100,7 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     >>> [layer.get_label() for layer in axes.collections]
     ['structure', 'absorber', 'damper', 'impacts']
     """
-    split = split_of(checked_run(run))
+    split = split_of(checked_run(run, several=True))
     units = run.units
     driven = bool(listed(run.force))
     scale = 1.0 if driven else split.total[0]
@@ -150,30 +153,37 @@ def split_of(run: Run) -> Split:
     ValueError
         If impacts have added energy, or an integral is off what the run itself says.
     """
-    design = design_of(run)
-    motion = finely(run, design)
-    time = motion["time"]
-    structure, absorber = energies(design, motion)
+    designs = [design_of(run, each) for each in range(max(1, design_of(run).absorbers))]
+    design, dashpots = designs[0], dashpots_of(run, designs)
+    time, still, motions = finely(run, designs)
+    structure, absorber = energies(designs, motions)
     system = structure + absorber
     steps = np.diff(time)
     layers = {"structure": structure, "absorber": absorber}
-    inside = values_between(run, time)
-    # Where the absorber's own damper is.
-    own = "dashpot" if design.pendulum is None else "pivot"
-    dashpot = dashpot_of(run, design)
+    inside = motions_at(run, time[:-1] + 0.5 * steps, len(designs))
+    # Where the absorbers' own dampers are.
+    own = "dashpot" if any(dashpots) else "pivot"
 
-    def own_power(design: Design, motion: Motion) -> Numbers:
-        return pivot_power(design, motion) + dashpot * motion["gap_velocity"] ** 2
+    def damper(motions: list[Motion]) -> Numbers:
+        return damper_power(design, motions[0])
 
-    for name, power in (("damper", damper_power), (own, own_power)):
-        ends, middle = power(design, motion), power(design, inside)
+    def own_dampers(motions: list[Motion]) -> Numbers:
+        each = zip(designs, motions, dashpots, strict=True)
+        powers = (
+            pivot_power(design, motion) + dashpot * motion["gap_velocity"] ** 2
+            for design, motion, dashpot in each
+        )
+        return sum(powers, start=np.zeros_like(motions[0]["velocity"]))
+
+    for name, power in (("damper", damper), (own, own_dampers)):
+        ends, middle = power(motions), power(inside)
         loss = steps / 6.0 * (ends[:-1] + 4.0 * middle + ends[1:])
         # There is no middle at the impact that ended a run early.
-        layers[name] = cumulative(np.where(steps > 0.0, loss, 0.0))
+        layers[name] = cumulative(np.where(still, 0.0, loss))
     # Where time stands still only an impact can have taken energy.
-    layers["impacts"] = cumulative(np.where(steps == 0.0, -np.diff(system), 0.0))
-    way = np.abs(np.diff(motion["gap_displacement"]))
-    rubbed = friction_force(run, design) * np.where(steps > 0.0, np.nan_to_num(way), 0.0)
+    layers["impacts"] = cumulative(np.where(still, -np.diff(system), 0.0))
+    way = np.abs(np.diff(motions[0]["gap_displacement"]))
+    rubbed = friction_force(run, design) * np.where(still, 0.0, np.nan_to_num(way))
     layers["friction"] = cumulative(rubbed)
     whole = float(Split(time, layers).total.max())
     if layers["impacts"].min() < -1e-9 * whole:
@@ -193,24 +203,29 @@ def split_of(run: Run) -> Split:
     names = ["structure", "absorber", "damper", "impacts"]
     if run.absorber is None:
         names = ["structure", "damper"]
-    if design.pendulum is not None and design.pendulum.damping_ratio > 0.0:
+    pendulums = [each.pendulum for each in designs if each.pendulum is not None]
+    if any(pendulum.damping_ratio > 0.0 for pendulum in pendulums):
         names.append("pivot")
-    if dashpot > 0.0:
+    if any(dashpots):
         names.append("dashpot")
     if layers["friction"][-1] > 0.0:
         names.append("friction")
     return Split(time, {name: layers[name] for name in names})
 
 
-def dashpot_of(run: Run, design: Design) -> float:
-    """Return the constant c of the dashpot between a free mass and its structure; 0 without."""
-    absorber = run.absorber
-    if not isinstance(absorber, Siva):
-        return 0.0
-    if absorber.gap_damping is not None:
-        return absorber.gap_damping
-    ratio = absorber.gap_damping_ratio or 0.0
-    return 2.0 * ratio * design.mass * design.natural_frequency
+def dashpots_of(run: Run, designs: list[Design]) -> list[float]:
+    """Return the constant c of the dashpot between each mass and its structure; 0 without."""
+    constants = []
+    for absorber in absorbers(run.absorber):
+        constant = 0.0
+        if isinstance(absorber, Siva) and absorber.gap_damping is not None:
+            constant = absorber.gap_damping
+        elif isinstance(absorber, Siva):
+            ratio = absorber.gap_damping_ratio or 0.0
+            constant = 2.0 * ratio * designs[0].mass * designs[0].natural_frequency
+        units = 1 if absorber is None else int(absorber.units or 1)
+        constants += [constant / units] * units
+    return constants
 
 
 def friction_force(run: Run, design: Design) -> float:
@@ -230,43 +245,69 @@ def cumulative(parts: Numbers) -> Numbers:
     return np.concatenate([[0.0], np.cumsum(parts)])
 
 
-def finely(run: Run, design: Design) -> Motion:
-    """Return the motion with enough samples, and both states of every impact and impulse."""
-    pendulum = design.pendulum
-    swing = 0.0 if pendulum is None else np.hypot(pendulum.frequency, pendulum.spring_frequency)
-    ratio = swing / design.natural_frequency
-    fastest = max(1.0, 2.0 * design.damping_ratio, ratio)
+def finely(run: Run, designs: list[Design]) -> tuple[Numbers, Marks, list[Motion]]:
+    """Return enough instants, where time stands still between two, and the motion of each absorber.
+
+    Both states of every impact and impulse are among them.
+    """
+    swings = [
+        np.hypot(each.pendulum.frequency, each.pendulum.spring_frequency)
+        for each in designs
+        if each.pendulum is not None
+    ]
+    ratio = max(swings, default=0.0) / designs[0].natural_frequency
+    fastest = max(1.0, 2.0 * designs[0].damping_ratio, ratio)
     rows = run.trajectory(int(min(SAMPLES * fastest, MOST_SAMPLES)))
     kicks = [force.time or 0.0 for force in listed(run.force) if isinstance(force, Impulse)]
     inside = [time for time in kicks if 0.0 < time < rows["time"][-1]]
+    if len(designs) > 1:
+        # Each absorber has both states of its own impacts only.
+        each = [values_of(one["time"]) for one in rows.partition_by("absorber")]
+        inside += [at for times in each for at in times[1:][np.diff(times) == 0.0]]
+        time = np.unique(np.concatenate([*each, inside, [before(at) for at in inside if at > 0.0]]))
+        still = np.isin(time[1:], inside) & np.isin(time[:-1], [before(at) for at in inside])
+        return time, still, motions_at(run, time, len(designs))
     if inside:
-        # Within some rounding units of an impulse the state is that after it.
-        before = 1.0 - 16.0 * np.finfo(float).eps
-        both = run.at([at for time in inside for at in (before * time, time)])
+        both = run.at([at for time in inside for at in (before(time), time)])
         rows = rows.vstack(both).sort("time", maintain_order=True)
-    return {name: values_of(rows[name]) for name in rows.columns}
+    motion = {name: values_of(rows[name]) for name in rows.columns}
+    return motion["time"], np.diff(motion["time"]) == 0.0, [motion]
 
 
-def values_between(run: Run, time: Numbers) -> Motion:
-    """Return the motion halfway between all instants; where time stands still any will do."""
-    rows = run.at(time[:-1] + 0.5 * np.diff(time))
-    return {name: values_of(rows[name]) for name in rows.columns}
+def before(time: float) -> float:
+    """Return an instant so long before an event that its state is not that after the event."""
+    return time * (1.0 - 16.0 * float(np.finfo(float).eps))
 
 
-def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
-    """Return the energies of structure and absorber."""
-    velocity = motion["velocity"]
+def motions_at(run: Run, time: Numbers, count: int) -> list[Motion]:
+    """Return the motion of each absorber at some instants; where time stands still any will do."""
+    rows = run.at(time)
+    each = rows.partition_by("absorber") if count > 1 else [rows]
+    return [{name: values_of(one[name]) for name in one.columns} for one in each]
+
+
+def energies(designs: list[Design], motions: list[Motion]) -> tuple[Numbers, Numbers]:
+    """Return the energies of structure and absorbers."""
+    design, motion = designs[0], motions[0]
     stiffness = design.mass * design.natural_frequency**2
-    structure = 0.5 * (design.mass * velocity**2 + stiffness * motion["displacement"] ** 2)
+    moving = design.mass * motion["velocity"] ** 2
+    structure = 0.5 * (moving + stiffness * motion["displacement"] ** 2)
+    each = (absorber_energy(*one) for one in zip(designs, motions, strict=True))
+    return structure, sum(each, start=np.zeros_like(structure))
+
+
+def absorber_energy(design: Design, motion: Motion) -> Numbers:
+    """Return the energy of one absorber; 0 without."""
+    velocity = motion["velocity"]
     if design.mass_ratio is None:
-        return structure, np.zeros_like(structure)
+        return np.zeros_like(velocity)
     mass = design.mass_ratio * design.mass
     pendulum = design.pendulum
     if pendulum is None:
         assert design.clearance is not None
         height = motion["gap_displacement"] - (design.gap_offset - design.clearance)
         kinetic = 0.5 * (velocity + motion["gap_velocity"]) ** 2
-        return structure, mass * (kinetic + design.gravity_along * height)
+        return mass * (kinetic + design.gravity_along * height)
     # Of a pendulum: L θ̇ of the centre of mass along its arc, and its horizontal part.
     swing = arc_velocity(design, motion)
     across = pendulum.lever * motion["gap_velocity"]
@@ -281,7 +322,7 @@ def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
         height = 2.0 * (pendulum.length * np.sin(0.5 * motion["angle"])) ** 2
     gravity = pendulum.inertia_ratio * pendulum.frequency**2 * height
     spring = 0.5 * pendulum.inertia_ratio * (pendulum.spring_frequency * arc) ** 2
-    return structure, mass * (0.5 * kinetic + gravity + spring)
+    return mass * (0.5 * kinetic + gravity + spring)
 
 
 def arc_velocity(design: Design, motion: Motion) -> Numbers:
