@@ -57,9 +57,10 @@ def animation(
     """Make an animation of a run: the scene to scale, and x(t) below it.
 
     Displacements, play and arm are to scale; the size of the masses, which nobody has given, is
-    not. Of a pendulum at small angles without length the arm is drawn 4 times as long as it swings
-    wide. A wall that is hit lights up in the colour of its impacts, and glows while the absorber
-    sticks to it.
+    not. Of several absorbers there is a row for each, with the structure that carries them all. Of
+    a pendulum at small angles without length the arm is drawn 4 times as long as it swings wide. A
+    wall that is hit lights up in the colour of its impacts, and glows while the absorber sticks to
+    it.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
     TypeError, ValueError
         If something cannot be used.
     """
-    if checked_run(run).absorber is None:
+    if checked_run(run, several=True).absorber is None:
         raise ValueError("this run has no absorber, and so no gap to show")
     frame_of(run, "impacts")
     limit(until)
@@ -124,34 +125,41 @@ def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
 
 def moving(figure: Figure, run: Run, until: float | None, frames: int, fps: int) -> FuncAnimation:
     """Draw the first picture on a figure, and return what draws the others."""
-    motion, end = motion_of(run, until)
+    count = design_of(run).absorbers
+    motions, end = [], 0.0
+    for absorber in range(count):
+        motion, end = motion_of(run, until, absorber)
+        motions.append(motion)
     instants = np.linspace(0.0, end, int(frames))
-    # Of a run that ended early the last instant is not in it any more.
-    rows = run.at(instants).fill_null(strategy="forward")
-    states = {name: values_of(rows[name]) for name in rows.columns}
     hits = frame_of(run, "impacts").filter(pl.col("time") <= end)
-    glow = {wall: brightness(instants, states["wall"], hits, wall) for wall in WALLS}
-    design = design_of(run)
-    above, below = figure.subplots(2)
-    largest, reach = (
-        float(np.abs(motion[name]).max()) for name in ("displacement", "gap_displacement")
-    )
-    scene = scenery(above, design, largest, reach)
-    height = scene_height(above)
-    figure.set_figheight(height + TRACE)
-    grid = above.get_gridspec()
+    *above, below = figure.subplots(count + 1)
+    largest = float(np.abs(motions[0]["displacement"]).max())
+    seen, sceneries = states_of(run, instants, count), []
+    for absorber, (axes, motion) in enumerate(zip(above, motions, strict=True)):
+        reach = float(np.abs(motion["gap_displacement"]).max())
+        sceneries.append(scenery(axes, design_of(run, absorber), largest, reach))
+    glows = [
+        {wall: brightness(instants, states["wall"], own, wall) for wall in WALLS}
+        for states, own in zip(seen, hits_of(hits, count), strict=True)
+    ]
+    # All to one scale.
+    ends = np.array([axes.get_xlim() for axes in above])
+    for axes in above:
+        axes.set_xlim(ends[:, 0].min(), ends[:, 1].max())
+    heights = [scene_height(axes) for axes in above]
+    figure.set_figheight(sum(heights) + TRACE)
+    grid = below.get_gridspec()
     assert grid is not None
-    grid.set_height_ratios((height, TRACE))
+    grid.set_height_ratios([*heights, TRACE])
+    motion, _ = motion_of(run, until)
     past, now = trace(below, run, motion, hits, end)
 
     def show(index: int) -> list[Artist]:
-        time, x, y, angle = (
-            float(states[name][index])
-            for name in ("time", "displacement", "gap_displacement", "angle")
-        )
-        scene.move(x, y, angle)
-        for wall, strength in glow.items():
-            scene.light(wall, float(strength[index]))
+        time, x = (float(seen[0][name][index]) for name in ("time", "displacement"))
+        for scene, states, glow in zip(sceneries, seen, glows, strict=True):
+            scene.move(x, *(float(states[name][index]) for name in ("gap_displacement", "angle")))
+            for wall, strength in glow.items():
+                scene.light(wall, float(strength[index]))
         passed = motion["time"] <= time
         past.set_data(
             np.append(motion["time"][passed], time), np.append(motion["displacement"][passed], x)
@@ -164,6 +172,22 @@ def moving(figure: Figure, run: Run, until: float | None, frames: int, fps: int)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return FuncAnimation(figure, show, frames=int(frames), interval=1e3 / fps)
+
+
+def states_of(run: Run, instants: Numbers, count: int) -> list[dict[str, Numbers]]:
+    """Return the motion of each absorber at some instants."""
+    rows = run.at(instants)
+    each = rows.partition_by("absorber") if count > 1 else [rows]
+    # Of a run that ended early the last instant is not in it any more.
+    whole = [one.fill_null(strategy="forward") for one in each]
+    return [{name: values_of(one[name]) for name in one.columns} for one in whole]
+
+
+def hits_of(hits: pl.DataFrame, count: int) -> list[pl.DataFrame]:
+    """Return the impacts of each absorber."""
+    if count == 1:
+        return [hits]
+    return [hits.filter(pl.col("absorber") == absorber) for absorber in range(count)]
 
 
 def scene_height(axes: Axes) -> float:
