@@ -411,6 +411,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     }
 
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        if N == 0 {
+            return (*state, R::ZERO);
+        }
         R::dispatched(
             #[inline(always)]
             || self.touching(state, wall),

@@ -105,14 +105,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn arrival(&self, h: R) -> Self::State {
+        let mut state = self.state(h);
         R::dispatched(
             #[inline(always)]
-            || {
-                let mut state = self.moved(h);
-                self.structure.refresh(&mut state.host);
-                state
-            },
-        )
+            || self.structure.refresh(&mut state.host),
+        );
+        state
     }
 
     fn primary(&self, h: R) -> Jet<R> {
