@@ -107,6 +107,22 @@ def test_energy_of_a_list_is_somewhere(scene: str, force: iva.Harmonic | None) -
     assert len(plots.energy(run).collections) == len(split.layers)
 
 
+@pytest.mark.parametrize("time", [0.0, 100.0])
+def test_energy_of_a_list_knows_the_impact_at_its_begin(time: float) -> None:
+    run = iva.simulate(
+        LISTS["masses"],
+        iva.Primary(damping_ratio=0.01),
+        start=iva.Start(
+            displacement=1.0, gap_displacement=[0.0, 0.5], gap_velocity=[0.0, 1.0], time=time
+        ),
+        duration=time + 40.0,
+    )
+    split, row = energy_split.split_of(run), run.summary.row(0, named=True)
+    assert run.impacts["time"][0] == time
+    assert split.layers["impacts"][0] == pytest.approx(run.impacts["energy_loss"][0], rel=1e-9)
+    assert split.total == pytest.approx(row["energy_initial"], rel=1e-8)
+
+
 FORCED: dict[str, Any] = {
     "harmonic": iva.Harmonic(force=2.0, relative_frequency=1.0),
     "base": iva.Harmonic(base_acceleration=2.0, relative_frequency=1.0),

@@ -11,10 +11,14 @@ import matplotlib as mpl
 import numpy as np
 import polars as pl
 import pytest
-from matplotlib.patches import Circle
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Circle, Patch
 
 import iva
 from iva.dynamics import section
+from iva.plots.moving_pictures import FLASH
+from iva.plots.scenery import DARK
+from iva.plots.styles import WALLS
 from iva.theory import slow_manifold
 
 pytestmark = pytest.mark.usefixtures("pictures_are_closed")
@@ -79,19 +83,36 @@ def test_an_animation_has_a_row_for_each() -> None:
     import matplotlib.pyplot as plt
 
     run = pair()
-    moving = iva.plots.animation(run, frames=21)
+    moving = iva.plots.animation(run, frames=201)
     moving._draw_was_started = True  # type: ignore[attr-defined]
     *above, _ = plt.gcf().axes
     assert len(above) == 2
     assert above[0].get_xlim() == above[1].get_xlim()
-    instants = np.linspace(0.0, run.trajectory()["time"][-1], 21)
-    for index in (0, 7, 15):
+    instants = np.linspace(0.0, run.trajectory()["time"][-1], 201)
+    for index in range(0, 201, 8):
         moving._func(index)  # type: ignore[attr-defined]
         states = run.at([instants[index]])
         for axes, row in zip(above, states.iter_rows(named=True), strict=True):
             (mass,) = (patch for patch in axes.patches if isinstance(patch, Circle))
             there = row["displacement"] + row["gap_displacement"]
             assert mass.center[0] == pytest.approx(there, abs=1e-12)
+            # A wall is lit for a while after an impact of its own absorber, and only then.
+            own = run.impacts.filter(pl.col("absorber") == row["absorber"])
+            since = instants[index] - own["time"].to_numpy()
+            lately = (since >= 0.0) & (since < FLASH * instants[1])
+            walls = {*own["wall"].to_numpy()[lately], row["wall"] or 0}
+            expected = {colour for wall, colour in WALLS.items() if wall in walls}
+            lit = {
+                wall for wall in WALLS.values() if any(glows(part, wall) for part in axes.patches)
+            }
+            assert lit == expected
+
+
+def glows(part: Patch, wall: str) -> bool:
+    """Return whether a part has some of the colour of a lit wall: it lies between dark and that."""
+    dark, lit, seen = (np.array(to_rgb(it)) for it in (DARK, wall, part.get_facecolor()[:3]))
+    share = float((seen - dark) @ (lit - dark) / ((lit - dark) @ (lit - dark)))
+    return share > 1e-9 and bool(np.allclose(dark + share * (lit - dark), seen, atol=1e-9))
 
 
 def test_what_shows_one_refuses_several() -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import polars as pl
 from matplotlib.axes import Axes
 
 from iva.design import Design, design_of
@@ -182,15 +183,19 @@ def split_of(run: Run) -> Split:
         layers[name] = cumulative(np.where(still, 0.0, loss))
     # Where time stands still only an impact can have taken energy.
     layers["impacts"] = cumulative(np.where(still, -np.diff(system), 0.0))
+    row = run.summary.row(0, named=True)
+    if len(designs) > 1 and struck_at_begin(run):
+        # Instants of a list begin after the impacts at the begin.
+        layers["impacts"] += row["energy_impacts"] - layers["impacts"][-1]
     way = np.abs(np.diff(motions[0]["gap_displacement"]))
     rubbed = friction_force(run, design) * np.where(still, 0.0, np.nan_to_num(way))
     layers["friction"] = cumulative(rubbed)
     whole = float(Split(time, layers).total.max())
     if layers["impacts"].min() < -1e-9 * whole:
         raise ValueError("impacts add energy in this run: its energy cannot be split into losses")
-    row = run.summary.row(0, named=True)
     for name, column in (
         ("damper", "energy_viscous"),
+        ("impacts", "energy_impacts"),
         (own, "energy_pivot"),
         ("friction", "energy_friction"),
     ):
@@ -264,7 +269,9 @@ def finely(run: Run, designs: list[Design]) -> tuple[Numbers, Marks, list[Motion
         # Each absorber has both states of its own impacts only.
         each = [values_of(one["time"]) for one in rows.partition_by("absorber")]
         inside += [at for times in each for at in times[1:][np.diff(times) == 0.0]]
-        time = np.unique(np.concatenate([*each, inside, [before(at) for at in inside if at > 0.0]]))
+        # What happens at the begin has no instant before it.
+        inside = [at for at in inside if at > each[0][0]]
+        time = np.unique(np.concatenate([*each, inside, [before(at) for at in inside]]))
         still = np.isin(time[1:], inside) & np.isin(time[:-1], [before(at) for at in inside])
         return time, still, motions_at(run, time, len(designs))
     if inside:
@@ -272,6 +279,13 @@ def finely(run: Run, designs: list[Design]) -> tuple[Numbers, Marks, list[Motion
         rows = rows.vstack(both).sort("time", maintain_order=True)
     motion = {name: values_of(rows[name]) for name in rows.columns}
     return motion["time"], np.diff(motion["time"]) == 0.0, [motion]
+
+
+def struck_at_begin(run: Run) -> bool:
+    """Return whether an absorber of a list has an impact at the first instant of its run."""
+    rows = run.trajectory(2)
+    first = rows.filter(pl.col("time") == rows["time"][0])
+    return bool(first["absorber"].is_duplicated().any())
 
 
 def before(time: float) -> float:
