@@ -10,7 +10,9 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from operator import index
 from os import PathLike
+from typing import SupportsIndex
 
 from iva import _iva
 from iva.parameters import is_list, number, numbers, shown
@@ -36,6 +38,7 @@ NUMBERS = (
 )
 MATRICES = ("mass", "stiffness", "damping")
 NAMES = ("absorber_at", "force_at", "seen_at")
+MODES = ("seen_mode", "natural_mode")
 
 
 @spell_checked
@@ -48,8 +51,9 @@ class Structure:
     with their `mass` in kg.
 
     Runs see the structure at one point, `seen_at`; measures, envelopes and trajectories tell its
-    motion there. Periods, settling times and `relative_frequency` go by the first mode.
-    ``start.displacement`` and ``start.velocity`` are what the point seen does in the first mode.
+    motion there, or with `seen_mode` the part of one mode in it. Periods, settling times and
+    `relative_frequency` go by the first mode, or by `natural_mode`. ``start.displacement`` and
+    ``start.velocity`` are what the point seen does in that mode.
 
     Parameters
     ----------
@@ -76,6 +80,12 @@ class Structure:
         The point at which forces act; by default that of the first absorber.
     seen_at : str, optional
         The point that runs see; by default that of the first absorber, also of a run without.
+    seen_mode : int, optional
+        The number of a mode, from 1: runs see only the part φq of this mode in the motion of the
+        point, so that all measures are those of the mode. Parts of all modes add up to the whole.
+        An absolute acceleration has all of that of the base.
+    natural_mode : int, optional
+        The number of the mode whose frequency is the natural one; by default the first.
     start_displacements, start_velocities : sequence of float, shape (n,), optional
         Start of the coordinates of matrices in m and m/s, or of the modes in m kg^(1/2) and its
         rate; added to what ``start`` says.
@@ -118,6 +128,8 @@ class Structure:
     absorber_at: str | Sequence[str] | None = None
     force_at: str | None = None
     seen_at: str | None = None
+    seen_mode: int | None = None
+    natural_mode: int | None = None
     start_displacements: Sequence[float] | None = None
     start_velocities: Sequence[float] | None = None
 
@@ -139,7 +151,9 @@ class Structure:
         return {name: value for name, value in values if value is not None}
 
     def _moves_as_seen(self) -> bool:
-        """Return whether runs see the point of all absorbers."""
+        """Return whether runs see the point of all absorbers, and all of its motion."""
+        if self.seen_mode is not None:
+            return False
         at = (
             {self.absorber_at} if isinstance(self.absorber_at, str) else set(self.absorber_at or ())
         )
@@ -283,12 +297,24 @@ def entry(name: str, value: Any) -> Any:
         return [numbers(f"{path}[{row}]", values) for row, values in enumerate(value)]
     if name in NAMES:
         return word_or_words(path, value)
+    if name in MODES:
+        return mode_of(path, value)
     if isinstance(value, Mapping):
         return {
             word_of(path, point): numbers(f"{path}[{point!r}]", shapes)
             for point, shapes in value.items()
         }
     return word_or_words(path, value)
+
+
+def mode_of(path: str, value: object) -> int:
+    """Return the number of a mode."""
+    rule = "give the number of a mode, from 1"
+    if isinstance(value, bool) or not isinstance(value, SupportsIndex):
+        raise TypeError(f"{path} = {shown(value)}: {rule}")
+    if (mode := index(value)) < 1:
+        raise ValueError(f"{path} = {shown(value)}: {rule}")
+    return mode
 
 
 def word_or_words(path: str, value: object) -> str | list[str]:

@@ -234,10 +234,24 @@ def test_a_sweep_and_a_verification_run() -> None:
     assert verified.impacts["time"].to_list() == alone.impacts["time"].to_list()
 
 
+def test_estimates_cover_the_errors_that_a_verification_finds() -> None:
+    """In a decay and under a force."""
+    for drive in ({}, {"force": iva.Harmonic(amplitude=0.2, frequency=1.0)}):
+        found = simulate([PIVA, SIVA], verify=True, **drive).verification.impacts["time"]
+        run = simulate([PIVA, SIVA], errors=True, **drive)
+        estimates = run.impacts["time_error"].to_numpy()
+        assert len(found) == len(estimates) > 20
+        assert found.null_count() == 0
+        assert (np.abs(found.to_numpy()) <= estimates).all()
+        assert estimates.max() < 1e-10
+        digits = run.summary["digits"].item()
+        assert 10 < digits < 16
+        assert run.summary["condition"].item() > 1
+
+
 @pytest.mark.parametrize(
     ("absorbers", "more", "says"),
     [
-        ([PIVA, SIVA], {"errors": True}, ("errors = true", "pendulum", "verify")),
         (
             [
                 SIVA,

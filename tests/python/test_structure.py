@@ -6,10 +6,12 @@ DOP853 with event location for impacts. The core has references to 150 digits of
 
 from __future__ import annotations
 
+import math
 import pickle
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -233,6 +235,82 @@ def test_sweeps_are_runs_and_folders_read_back(tmp_path: Path) -> None:
         )
 
 
+def test_runs_see_the_parts_of_modes() -> None:
+    """The parts of all modes are the whole motion, and no mode is another run."""
+    shaken: dict[str, Any] = {
+        "start": START,
+        "force": iva.Harmonic(base_acceleration=0.3, frequency=9.0),
+        "cycles": 12,
+    }
+    whole, *parts = (
+        iva.simulate(SIVA, frame(base=[1.0, 1.0], **more), **shaken)
+        for more in ({}, {"seen_mode": 1}, {"seen_mode": np.int64(2)})
+    )
+    for column in ("displacement", "velocity"):
+        first, second = (part.trajectory(30)[column].to_numpy() for part in parts)
+        seen = whole.trajectory(30)[column].to_numpy()
+        assert np.abs(first + second - seen).max() < 1e-13
+        assert min(np.abs(part).max() for part in (first, second)) > 1e-3
+    for part in parts:
+        assert len(part.impacts) > 10
+        assert part.impacts["time"].equals(whole.impacts["time"])
+        assert part.summary["energy_impacts"].equals(whole.summary["energy_impacts"])
+        largest = np.abs(part.trajectory(30)["displacement"].to_numpy()).max()
+        told = part.summary["amplitude_max"].item()
+        assert largest <= told < 1.05 * largest
+
+
+def test_a_mode_alone_decays_by_its_own_numbers() -> None:
+    """In modes without exchange: x = φq with the frequency and damping ratio of the mode."""
+    structure = frame(damping=2e-3 * STIFFNESS, natural_mode=2, seen_mode=2)
+    second = structure.modes().row(1, named=True)
+    run = iva.simulate(None, structure, start=START, periods=20)
+    period = 2 * math.pi / second["frequency"]
+    zeta, omega = second["damping_ratio"], second["frequency"]
+    seen = run.trajectory(16)
+    time = seen["time"].to_numpy()
+    assert time[-1] == pytest.approx(20 * period, rel=1e-14)
+    damped = omega * math.sqrt(1 - zeta**2)
+    swing = np.cos(damped * time) + zeta * omega / damped * np.sin(damped * time)
+    expected = 0.05 * np.exp(-zeta * omega * time) * swing
+    assert np.abs(seen["displacement"].to_numpy() - expected).max() < 1e-14
+    first = iva.simulate(None, replace(structure, seen_mode=1), start=START, periods=20)
+    assert first.trajectory(16)["displacement"].abs().max() == 0.0
+
+
+def test_the_natural_mode_is_the_unit_of_time() -> None:
+    """The same run by other units; periods and relative frequencies are those of the mode."""
+    by_first, by_second = (
+        iva.simulate(
+            SIVA,
+            frame(natural_mode=mode, start_displacements=[0.02, 0.05]),
+            start=iva.Start(),
+            duration=8.0,
+        )
+        for mode in (1, 2)
+    )
+    assert len(by_first.impacts) > 10
+    off = by_first.impacts["time"].to_numpy() - by_second.impacts["time"].to_numpy()
+    assert np.abs(off).max() < 1e-11
+    second = float(frame().modes()["frequency"].to_list()[1])
+    one, other = (
+        iva.simulate(
+            None,
+            frame(force_at="first", natural_mode=2),
+            start=iva.Start(),
+            force=force,
+            cycles=5,
+        )
+        .summary["amplitude_max"]
+        .item()
+        for force in (
+            iva.Harmonic(force=10.0, relative_frequency=1.0),
+            iva.Harmonic(force=10.0, frequency=second),
+        )
+    )
+    assert one == pytest.approx(other, rel=1e-12)
+
+
 def test_modes_go_through_csv(tmp_path: Path) -> None:
     file = tmp_path / "modes.csv"
     modes = frame(damping=2e-3 * STIFFNESS).modes()
@@ -250,7 +328,7 @@ def test_modes_go_through_csv(tmp_path: Path) -> None:
 
 
 def test_what_is_shown_and_kept() -> None:
-    structure = frame(seen_at="first")
+    structure = frame(seen_at="first", seen_mode=2, natural_mode=2)
     assert eval(repr(structure), {"Structure": iva.Structure}) == structure
     assert pickle.loads(pickle.dumps(structure)) == structure
     run = iva.simulate(SIVA, structure, start=START, periods=2)
@@ -273,6 +351,8 @@ def test_what_is_shown_and_kept() -> None:
         ({"absorber_at": "roof"}, 'structure.absorber_at = "roof": give one of the points first'),
         ({"points": ["one"]}, "give 1 rows of 1 numbers, as there are 1 points"),
         ({"base": [1.0]}, "structure.base = 1 numbers: give 2"),
+        ({"seen_mode": 3}, "structure.seen_mode = 3: give the number of a mode, from 1 to 2"),
+        ({"natural_mode": 0}, "structure.natural_mode = 0: give the number of a mode, from 1"),
         ({"start_velocities": [float("nan"), 0.0]}, "start_velocities = NaN: give finite numbers"),
         ({"stiffness": [[1.0, -1.0], [-1.0, 1.0]]}, "frequencies = .*: .* hold the structure"),
     ],
@@ -280,6 +360,12 @@ def test_what_is_shown_and_kept() -> None:
 def test_bad_entries_are_refused(more: dict[str, Any], told: str) -> None:
     with pytest.raises(ValueError, match=told):
         frame(**more)
+
+
+@pytest.mark.parametrize("mode", [True, 1.0, "2"])
+def test_the_number_of_a_mode_is_a_number(mode: Any) -> None:
+    with pytest.raises(TypeError, match=r"seen_mode = .*: give the number of a mode, from 1"):
+        frame(seen_mode=mode)
 
 
 def test_frequencies_are_told_as_they_were_given() -> None:
@@ -298,11 +384,6 @@ def test_frequencies_are_told_as_they_were_given() -> None:
             SIVA,
             {"force": iva.Harmonic(base_acceleration=1.0, frequency=7.0)},
             "structure.base is missing: a moving base needs",
-        ),
-        (
-            iva.Siva(mass=60.0, restitution=0.5, clearance=0.01, reference_speed=1.0),
-            {},
-            "absorber.reference_speed = 1: on a structure with several modes",
         ),
         ([SIVA] * 9, {}, "absorber"),
     ],
@@ -394,3 +475,33 @@ def test_millimetres_are_not_taken_for_metres() -> None:
             start=iva.Start(displacement=0.03),
             periods=1,
         )
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        {"restitution": 0.5, "reference_speed": 0.2},
+        {"yield_speed": 0.02},
+        {"restitution_table": [[0.02, 0.8], [0.3, 0.5]]},
+    ],
+)
+def test_restitution_may_depend_on_the_approach_speed(law: dict[str, Any]) -> None:
+    """One mode is a primary, also beside a dashpot that is not felt; and rows obey the law."""
+    siva = iva.Siva(mass=5.0, clearance=0.01, **law)
+    primary = iva.Primary(mass=100.0, stiffness=90e3, damping_ratio=0.01)
+    structure = iva.Structure(points=["top"], mass=[[100.0]], stiffness=[[90e3]], damping=[[60.0]])
+    start = iva.Start(displacement=0.02)
+    alone = iva.simulate(siva, primary, start=start, periods=2)
+    oiled = replace(siva, gap_damping=1e-12)
+    for run in (
+        iva.simulate(siva, structure, start=start, periods=2),
+        iva.simulate(oiled, primary, start=start, periods=2),
+    ):
+        assert len(run.impacts) == len(alone.impacts) > 4
+        off = run.impacts["time"].to_numpy() - alone.impacts["time"].to_numpy()
+        assert np.abs(off).max() < 1e-12
+    run = iva.simulate(siva, frame(), start=START, periods=5, errors=True)
+    number = iva.simulate(replace(SIVA, mass=5.0), frame(), start=START, periods=5)
+    assert abs(run.summary["energy_residual"].item()) < 1e-12
+    assert not run.impacts["time"].equals(number.impacts["time"])
+    assert run.impacts["time_error"].drop_nulls().len() > 8

@@ -76,7 +76,10 @@ fn modes(structure: &Structure) -> String {
     let hertz = of(&|mode| modes.frequency(mode).map(|it| it / std::f64::consts::TAU));
     let damping = of(&|mode| modes.damping_ratio(mode));
     let count = counted(modes.count() as u64, "mode");
-    format!("Structure: {count}, {hertz} Hz, damping ratio {damping}; seen at {}", structure.seen())
+    format!(
+        "Structure: {count}, {hertz} Hz, damping ratio {damping}; seen at {}",
+        structure.seen_in_words()
+    )
 }
 
 /// The law of restitution of an absorber in words; `None` where it is a number.

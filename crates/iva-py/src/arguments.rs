@@ -76,6 +76,8 @@ pub fn structure(entries: &Bound<'_, PyDict>) -> PyResult<Structure> {
         let name: String = name.extract()?;
         let entry = if let Ok(one) = value.extract::<String>() {
             Entry::Name(one)
+        } else if let Ok(mode) = value.extract::<usize>() {
+            Entry::Mode(mode)
         } else if let Ok(named) = value.cast::<PyDict>() {
             let named = named.iter().map(|(name, value)| Ok((name.extract()?, value.extract()?)));
             Entry::Named(named.collect::<PyResult<_>>()?)

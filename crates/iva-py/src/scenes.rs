@@ -31,6 +31,7 @@ pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDic
         let entries = PyDict::new(py);
         for (name, entry) in structure.entries() {
             match entry {
+                Entry::Mode(mode) => entries.set_item(name, mode)?,
                 Entry::Name(one) => entries.set_item(name, one)?,
                 Entry::Names(all) => entries.set_item(name, all)?,
                 Entry::Numbers(all) => entries.set_item(name, all)?,

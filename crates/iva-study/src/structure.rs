@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use iva_sweep::design::Spec;
-use iva_sweep::structure::{ENTRIES, Entry, SECTION, Structure};
+use iva_sweep::structure::{ENTRIES, Entry, MODES, SECTION, Structure};
 use toml::de::DeValue;
 
 use crate::error::Error;
@@ -31,10 +31,22 @@ pub(crate) fn read(
         }
         let path = format!("{SECTION}.{name}");
         source.note(path.clone(), key.span().start..value.span().end);
-        all.push((name.to_owned(), entry(source, &path, value)?));
+        let entry = if MODES.contains(&name) {
+            mode(source, &path, value)?
+        } else {
+            entry(source, &path, value)?
+        };
+        all.push((name.to_owned(), entry));
     }
     let structure = Structure::new(all).map_err(|invalid| source.locate(&invalid))?;
     Ok(spec.with_structure(Arc::new(structure)))
+}
+
+/// The number of a mode.
+fn mode(source: &Source, path: &str, value: &Value<'_>) -> Result<Entry, Error> {
+    let number = as_number(value.get_ref()).filter(|it| it.fract() == 0.0 && *it >= 0.0);
+    let wrong = || source.bad_value(path, value.span(), "give the number of a mode, from 1");
+    number.map(|it| Entry::Mode(it as usize)).ok_or_else(wrong)
 }
 
 /// The value of an entry.
@@ -82,6 +94,7 @@ pub(crate) fn write(text: &mut String, structure: &Structure) {
             format!("[{}]", all.join(", "))
         };
         let shown = match entry {
+            Entry::Mode(mode) => mode.to_string(),
             Entry::Name(one) => quoted(one),
             Entry::Names(all) => {
                 format!("[{}]", all.iter().map(quoted).collect::<Vec<_>>().join(", "))
@@ -127,11 +140,13 @@ displacement = 0.05
 periods = 3
 "#;
 
-    const MODES: &str = r#"version = 1
+    const FRAME_BY_MODES: &str = r#"version = 1
 [structure]
 frequencies_hz = [1, 2.5]
 damping_ratios = [0.01]
 absorber_at = ["top", "top"]
+seen_mode = 2
+natural_mode = 2
 start_velocities = [0, 0.1]
 [structure.points]
 top = [0.03, -0.02]
@@ -152,7 +167,7 @@ periods = 3
 
     #[test]
     fn what_is_written_reads_back_the_same() {
-        for text in [FRAME, MODES] {
+        for text in [FRAME, FRAME_BY_MODES] {
             let file = resolve(&parse_study(Path::new("it.toml"), text).unwrap()).unwrap();
             let again = parse_study(Path::new("again.toml"), &write(&file).unwrap()).unwrap();
             assert_eq!(again.study, file.study);
@@ -176,7 +191,7 @@ periods = 3
                 9,
                 "the structure has it already",
             ),
-            (MODES, "[1, 2.5]", "[1, 2.5, 3]", 7, "give 3, one for each mode"),
+            (FRAME_BY_MODES, "[1, 2.5]", "[1, 2.5, 3]", 9, "give 3, one for each mode"),
             (
                 MODES,
                 "[\"top\", \"top\"]",
@@ -184,7 +199,28 @@ periods = 3
                 5,
                 "one for each absorber",
             ),
-            (MODES, "[0.03, -0.02]", "[0.03]", 7, "give 2, one for each mode"),
+            (
+                FRAME_BY_MODES,
+                "seen_mode = 2",
+                "seen_mode = 3",
+                6,
+                "3: give the number of a mode, from 1 to 2",
+            ),
+            (
+                FRAME_BY_MODES,
+                "seen_mode = 2",
+                "seen_mode = 0.5",
+                6,
+                "0.5: give the number of a mode",
+            ),
+            (
+                FRAME_BY_MODES,
+                "seen_mode = 2",
+                "seen_mode = \"top\"",
+                6,
+                "give the number of a mode",
+            ),
+            (FRAME_BY_MODES, "[0.03, -0.02]", "[0.03]", 9, "give 2, one for each mode"),
         ] {
             let text = text.replacen(from, to, 1);
             let read = parse_study(Path::new("it.toml"), &text);

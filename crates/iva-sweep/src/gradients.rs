@@ -8,8 +8,7 @@
 //! current branch.
 //!
 //! The values of that run have the same bits as those of the run in doubles, so both have the same events.
-//! From the first impact whose estimated error reaches 10⁻³/ωn on, all derivatives are null; where no errors are estimated, from
-//! the first one that is so far off in a run in numbers of twice the precision, or has no partner there.
+//! From the first impact whose estimated error reaches 10⁻³/ωn on, all derivatives are null.
 
 use std::sync::atomic::AtomicBool;
 
@@ -17,9 +16,7 @@ use iva_core::absorber::Absorber;
 use iva_core::impact::Impact;
 use iva_core::observe::{Contact, Events, Observer};
 use iva_core::propagation::Errors;
-use iva_core::real::Real;
 use iva_core::real::dual::Dual;
-use iva_core::real::twofold::Twofold;
 use iva_core::simulate::simulate_from;
 
 use crate::cells::Cell;
@@ -72,12 +69,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     let design = Given::<Dual>::differentiated(&spec, slot).design()?;
     let request = Request::new(study);
     let plain = spec.design()?;
-    let sensitive = if plain.scene.is_mixed() {
-        parted_from(&spec, &plain, cancel)?
-    } else {
-        sensitive_from(&plain, cancel)?
-    };
-    let sensitive = sensitive.map(|time| plain.scale.time(time));
+    let sensitive = sensitive_from(&plain, cancel)?.map(|time| plain.scale.time(time));
     let period = plain.scale.time(std::f64::consts::TAU);
     let grazings = Grazings::new(value);
     let content = Content::Derivatives { by: slot, key: key.to_owned() };
@@ -117,31 +109,6 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
     let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);
     let first = errors.impacts.iter().position(|error| sensitive(error.time));
     Ok(first.and_then(|index| Some(events.impacts.get(index)?.time)))
-}
-
-/// The same for a scene of which no errors are estimated: the first impact at which a run in numbers of twice the precision
-/// differs.
-fn parted_from(spec: &Spec, design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
-    let precise = impacts(&Given::<Twofold>::new(spec).design()?, cancel)?;
-    let plain = impacts(design, cancel)?;
-    let same = |(a, b): &(&Impact, &Impact<Twofold>)| {
-        let late = (a.time - b.time.double()).abs();
-        a.absorber == b.absorber && a.wall == b.wall && late < SENSITIVE
-    };
-    let alike = plain.iter().zip(&precise).take_while(same).count();
-    // One that only the precise run has comes after the last of the other.
-    let last = || (alike < precise.len()).then(|| precise[alike].time.double());
-    Ok(plain.get(alike).map(|impact| impact.time).or_else(last))
-}
-
-/// The impacts of a run.
-fn impacts<R: Real>(design: &Design<R>, cancel: &AtomicBool) -> Result<Vec<Impact<R>>, Invalid> {
-    let mut events = Events::default();
-    let (limits, cancel) = (&design.limits, Some(cancel));
-    with_system!(&design.scene, |it| {
-        simulate_from(&it.system, &it.start, design.begin, limits, cancel, &mut events).map(|_| ())
-    })?;
-    Ok(events.impacts)
 }
 
 /// True if a number of a row is decided before the instant from which on the motion is too sensitive.

@@ -17,7 +17,7 @@ mod reader;
 pub const SECTION: &str = "structure";
 
 /// Names of its entries, in the order in which they are written.
-pub const ENTRIES: [&str; 13] = [
+pub const ENTRIES: [&str; 15] = [
     "frequencies",
     "frequencies_hz",
     "damping_ratios",
@@ -29,16 +29,23 @@ pub const ENTRIES: [&str; 13] = [
     "absorber_at",
     "force_at",
     "seen_at",
+    "seen_mode",
+    "natural_mode",
     "start_displacements",
     "start_velocities",
 ];
 
-/// A first frequency below this share of the largest is that of a structure that is free to move, but for rounding.
+/// Those that are the number of a mode.
+pub const MODES: [&str; 2] = ["seen_mode", "natural_mode"];
+
+/// A frequency for the unit of time below this share of the largest is that of a structure that is free to move, but for rounding.
 const ROUNDING: f64 = 1e-7;
 
 /// The value of an entry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
+    /// The number of a mode, from 1.
+    Mode(usize),
     /// A name.
     Name(String),
     /// Names.
@@ -64,9 +71,13 @@ pub struct Structure {
     absorbers_at: Vec<String>,
     force_at: Option<String>,
     seen_at: Option<String>,
+    /// Index of the mode of which runs see the part in the motion of their point; `None`: they see all of it.
+    seen_mode: Option<usize>,
+    /// Index of the mode whose frequency is the natural one.
+    natural_mode: usize,
     /// Of each mode, in m kg^(1/2), or of each coordinate in m; and their rates.
     begun: [Vec<f64>; 2],
-    /// ω of the first mode in rad/s, whose reciprocal is the unit of time.
+    /// ω of that mode in rad/s, whose reciprocal is the unit of time.
     natural_frequency: f64,
 }
 
@@ -119,6 +130,8 @@ impl Structure {
             })
         };
         let [force_at, seen_at] = [named("force_at")?, named("seen_at")?];
+        let seen_mode = read.mode("seen_mode", n)?;
+        let natural_mode = read.mode("natural_mode", n)?.unwrap_or(0);
         let absorbers_at = read.names("absorber_at")?.unwrap_or_default();
         for (field, given) in [("force_at", force_at.as_slice()), ("seen_at", seen_at.as_slice())]
             .into_iter()
@@ -139,17 +152,23 @@ impl Structure {
             absorbers_at,
             force_at,
             seen_at,
+            seen_mode,
+            natural_mode,
             begun,
             natural_frequency: 1.0,
         };
         let modes: ModalStructure = structure.modes(1.0)?;
         let frequencies = (0..n).filter_map(|mode| modes.frequency(mode));
-        let first = modes.frequency(0).unwrap_or(0.0);
-        if first <= ROUNDING * frequencies.fold(0.0, f64::max) {
-            let rule = "that of the first mode is the unit of time, and this is 0 or rounding; hold the structure";
-            return Err(Invalid::new(path("frequencies"), number(first), rule));
+        let natural = modes.frequency(natural_mode).unwrap_or(0.0);
+        if natural <= ROUNDING * frequencies.fold(0.0, f64::max) {
+            let rule = format!(
+                "that of mode {} is the unit of time, and this is 0 or rounding; hold the structure, or give \
+                 natural_mode",
+                natural_mode + 1
+            );
+            return Err(Invalid::new(path("frequencies"), number(natural), rule));
         }
-        structure.natural_frequency = first;
+        structure.natural_frequency = natural;
         Ok(structure)
     }
 
@@ -158,7 +177,7 @@ impl Structure {
         &self.entries
     }
 
-    /// ω of the first mode, in rad/s.
+    /// ω of the mode that natural frequency and period are those of, in rad/s.
     pub fn natural_frequency(&self) -> f64 {
         self.natural_frequency
     }
@@ -209,6 +228,30 @@ impl Structure {
         self.seen_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
     }
 
+    /// What runs see, in words: a point, or the part of one mode in its motion.
+    pub fn seen_in_words(&self) -> String {
+        match self.seen_mode {
+            Some(mode) => format!("{}, mode {}", self.seen(), mode + 1),
+            None => self.seen().to_owned(),
+        }
+    }
+
+    /// The modes with the point that runs see, and its name: where they see the part of one mode, a point that moves in no
+    /// other.
+    ///
+    /// # Errors
+    /// [`Invalid`] if a point has this name already.
+    pub(crate) fn seen_of<R: Real>(
+        &self,
+        modes: ModalStructure<R>,
+    ) -> Result<(ModalStructure<R>, String), Invalid> {
+        let name = self.seen_in_words();
+        let Some(mode) = self.seen_mode else { return Ok((modes, name)) };
+        let mut part = vec![R::ZERO; modes.count()];
+        part[mode] = modes.shapes(self.seen()).map_or(R::ZERO, |shapes| shapes[mode]);
+        Ok((modes.with_point(&name, &part)?, name))
+    }
+
     /// The point at which the force acts.
     pub(crate) fn pushed(&self) -> &str {
         self.force_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
@@ -252,15 +295,15 @@ impl Structure {
         modes.with_base(&parts)
     }
 
-    /// q and q̇ of all modes at the begin, of which those of the first mode are what the point seen does there by
+    /// q and q̇ of all modes at the begin, of which those of the natural mode are what the point seen does there by
     /// `primary`: its displacement and velocity. The rates are in the unit of time of `modes`, that is 1/`omega`.
     ///
     /// # Errors
-    /// [`Invalid`] if the point seen is at a node of the first mode and is to move.
+    /// [`Invalid`] if the point seen is at a node of the natural mode and is to move.
     pub(crate) fn begin<R: Real>(
         &self,
         modes: &ModalStructure<R>,
-        (seen, primary): (&str, [R; 2]),
+        primary: [R; 2],
         omega: f64,
     ) -> Result<[Vec<R>; 2], Invalid> {
         let mut begun = [Vec::new(), Vec::new()];
@@ -278,13 +321,14 @@ impl Structure {
             if primary[k] == 0.0 {
                 continue;
             }
-            let shape = modes.shapes(seen).and_then(|shapes| shapes.first()).copied();
+            let shape = modes.shapes(self.seen()).map(|shapes| shapes[self.natural_mode]);
             let Some(shape) = shape.filter(|shape| *shape != 0.0) else {
                 let field = ["start.displacement", "start.velocity"][k];
-                let rule = format!("{seen} is at a node of the first mode; give structure.seen_at");
+                let (seen, mode) = (self.seen(), self.natural_mode + 1);
+                let rule = format!("{seen} is at a node of mode {mode}; give structure.seen_at");
                 return Err(Invalid::new(field, crate::number(primary[k]), rule));
             };
-            all[0] += primary[k] / shape;
+            all[self.natural_mode] += primary[k] / shape;
         }
         Ok(begun)
     }

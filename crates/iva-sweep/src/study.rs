@@ -107,7 +107,7 @@ impl Designer<'_> {
     /// # Errors
     /// As [`Study::design`].
     pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
-        let mut design = self.place(point).and_then(|()| self.estimated());
+        let mut design = self.place(point).and_then(|()| self.spec.design());
         if let Err(error) = &mut design {
             // A missing field is missing at every point, so no point is named.
             if !(self.study.sampling.is_empty() || error.value.is_empty()) {
@@ -115,16 +115,6 @@ impl Designer<'_> {
             }
         }
         design
-    }
-
-    /// The design of the values that are set, of which the study can have all that it asks for.
-    fn estimated(&self) -> Result<Design, Invalid> {
-        let design = self.spec.design()?;
-        if self.study.errors && design.scene.is_mixed() {
-            let rule = "errors are not estimated where a list has a pendulum; leave it out, or verify the run";
-            return Err(Invalid::new("errors", "true", rule));
-        }
-        Ok(design)
     }
 
     /// Sets the swept values of a point.

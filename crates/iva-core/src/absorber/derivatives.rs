@@ -8,8 +8,9 @@ use nalgebra::{Matrix4, Vector4};
 use crate::absorber::{Absorber, LawAt, Wall};
 
 mod coupled;
+pub(crate) mod lists;
 pub(crate) mod masses;
-mod piva;
+pub(crate) mod piva;
 mod siva;
 mod structure;
 

@@ -30,6 +30,7 @@ pub use state::{MixedState, Placed};
 
 mod absorber;
 mod accuracy;
+mod derivatives;
 pub mod impact_law;
 mod motion;
 mod on_structure;

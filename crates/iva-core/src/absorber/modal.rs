@@ -141,11 +141,6 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             let rule = format!("give from 1 to {MOST} absorbers");
             return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
         }
-        if let Some(k) = masses.iter().position(|(mass, _)| mass.varies()) {
-            let field = format!("absorber.{k}.restitution");
-            let rule = "on a structure with several modes it is a number; give one";
-            return Err(Invalid::new(field, "a law", rule));
-        }
         let mut at = [0; N];
         for (k, (_, point)) in masses.iter().enumerate() {
             at[k] = structure.point(&format!("absorber.{k}.point"), point)?;

@@ -21,7 +21,7 @@
 //! the largest change of the instant that the curvature allows. Once the error reaches 1/ωn the run has
 //! forgotten its start, and nothing is estimated from there on.
 //!
-//! Those of several free masses, on several modes or with friction, are in `propagation/masses.rs`.
+//! Those of several absorbers, on several modes or with friction, are in `propagation/lists.rs`.
 //!
 //! [`Differentiable`] is what a system tells about its derivatives, [`Errors`] the estimate.
 
@@ -31,5 +31,5 @@ pub use tangent::Tangent;
 pub(crate) use tangent::saltation;
 
 mod errors;
-mod masses;
+mod lists;
 mod tangent;

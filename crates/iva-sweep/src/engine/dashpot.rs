@@ -8,7 +8,7 @@ use iva_core::real::Real;
 
 use super::given::Given;
 use super::scale::Scale;
-use crate::error::{Invalid, number};
+use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 
@@ -44,24 +44,6 @@ pub(crate) fn given<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
             Some((given.of(absorber).path(field), value))
         })
     })
-}
-
-/// Checks that the restitution of an absorber is a number.
-///
-/// # Errors
-/// [`Invalid`] for a law.
-pub(super) fn no_law<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
-    let rule = "beside a dashpot in a gap the restitution is a number; leave it out";
-    for field in [FieldId::ReferenceSpeed, FieldId::YieldSpeed] {
-        if let Some(value) = given.spec.get_of(given.absorber, field) {
-            return Err(Invalid::new(given.path(field), number(value), rule));
-        }
-    }
-    if let Some(table) = given.spec.restitution_table(given.absorber) {
-        let path = given.spec.table_path(given.absorber);
-        return Err(Invalid::new(path, table.shown(), rule));
-    }
-    Ok(())
 }
 
 /// The structure that moves as one.

@@ -21,7 +21,7 @@ use crate::slot::Slot;
 use crate::structure::{Structure, path};
 use crate::units::UnitSystem;
 
-/// The unit of time is that of the first mode, the unit of mass 1 kg.
+/// The unit of time is that of the natural mode, the unit of mass 1 kg.
 pub(super) fn scale<R: Real>(structure: &Structure) -> (Scale<R>, UnitSystem) {
     let natural_frequency = R::from(structure.natural_frequency());
     (Scale { natural_frequency, mass: R::ONE }, UnitSystem::Si)
@@ -40,7 +40,7 @@ pub(super) fn scene<R: Real>(
 ) -> Result<Scene<R>, Invalid> {
     fits(given)?;
     let omega = structure.natural_frequency();
-    let modes = structure.modes::<R>(omega)?;
+    let (modes, seen) = structure.seen_of(structure.modes::<R>(omega)?)?;
     let absorbers = given.spec.count();
     let riding = if given.spec.choices().kind == Kind::None {
         Riding::none()
@@ -48,10 +48,9 @@ pub(super) fn scene<R: Real>(
         let at = |absorber| structure.absorber_at(absorber, absorbers);
         Riding::all(given, scale, UnitSystem::Si, at)?
     };
-    let (seen, pushed) = (structure.seen(), structure.pushed());
     let primary = [start.displacement, start.velocity];
-    let [displacements, velocities] = structure.begin(&modes, (seen, primary), omega)?;
-    mounted(given, modes, riding, [displacements, velocities], [seen, pushed], force)
+    let begin = structure.begin(&modes, primary, omega)?;
+    mounted(given, modes, riding, begin, [&seen, structure.pushed()], force)
 }
 
 /// The scene of absorbers of which some have a dashpot in their gap, on a structure that moves as one.
@@ -93,7 +92,6 @@ impl<'a, R: Real> Riding<'a, R> {
         let mut all = Self::none();
         several::each(given, scale, units, |absorber, mass, gap| {
             let own = given.of(absorber);
-            dashpot::no_law(&own)?;
             let damping = dashpot::damping(&own, scale, units)?;
             all.masses.push((mass, at(absorber)?));
             all.gaps.push(gap);
@@ -142,9 +140,6 @@ fn named(error: Invalid) -> Invalid {
     }
 }
 
-/// What is to be told of a law of restitution.
-const NUMBER: &str = "on a structure with several modes the restitution is a number; leave it out";
-
 /// Checks that a scene has nothing that a structure with several modes does not take.
 fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
     let of_primary = |slot: Slot| slot.info().part == Part::Primary;
@@ -152,7 +147,6 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
         let rule = match slot.field {
             _ if of_primary(slot) => "the structure has it already; leave it out",
             FieldId::MassRatio => "on a structure with several modes give mass (kg)",
-            FieldId::ReferenceSpeed | FieldId::YieldSpeed => NUMBER,
             FieldId::GapDampingRatio => {
                 "on a structure with several modes give gap_damping (N s/m)"
             }
@@ -164,9 +158,6 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             _ => continue,
         };
         return Err(Invalid::new(slot.path(), number(value), rule));
-    }
-    if let Some((path, table)) = given.spec.tables().next() {
-        return Err(Invalid::new(path, table.shown(), NUMBER));
     }
     let mut records = given.spec.forces().iter().filter_map(|force| force.record.as_ref());
     if records.any(|record| record.kind == RecordKind::Force) {

@@ -157,10 +157,16 @@ impl<R: Real> Scene<R> {
         with_system!(self, |it| it.system.clearance())
     }
 
-    /// Damping ratio ζ of the primary without absorber; of several modes that of the first.
+    /// Damping ratio ζ of the primary without absorber; of several modes that of the natural one.
     pub fn damping_ratio(&self) -> R {
         match self.modes() {
-            Some(modes) => modes.damping_ratio(0).unwrap_or(R::ZERO),
+            Some(modes) => {
+                let off = |mode: &usize| {
+                    modes.frequency(*mode).map_or(f64::INFINITY, |it| (it - 1.0).abs().double())
+                };
+                let natural = (0..modes.count()).min_by(|a, b| off(a).total_cmp(&off(b)));
+                natural.and_then(|mode| modes.damping_ratio(mode)).unwrap_or(R::ZERO)
+            }
             None => with_system!(self, |it| it.system.excitation().damping_ratio()),
         }
     }

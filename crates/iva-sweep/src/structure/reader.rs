@@ -48,6 +48,19 @@ impl Reader<'_> {
         }
     }
 
+    /// The index of a mode, of so many.
+    pub fn mode(&self, name: &str, n: usize) -> Result<Option<usize>, Invalid> {
+        match self.get(name) {
+            None => Ok(None),
+            Some(Entry::Mode(mode)) if (1..=n).contains(mode) => Ok(Some(mode - 1)),
+            Some(Entry::Mode(mode)) => {
+                let rule = format!("give the number of a mode, from 1 to {n}");
+                Err(Invalid::new(path(name), mode.to_string(), rule))
+            }
+            Some(_) => Err(form(name, "the number of a mode, from 1")),
+        }
+    }
+
     /// A matrix of n rows and columns, row by row.
     fn matrix(&self, name: &str, n: usize) -> Result<Option<Vec<f64>>, Invalid> {
         let rows = match self.get(name) {

@@ -36,6 +36,7 @@ mod lyapunov;
 mod masses_errors;
 mod measures;
 mod mixed;
+mod mixed_errors;
 mod modal;
 mod modal_law;
 mod modal_reference;

@@ -6,126 +6,21 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
-    absorber::mixed::{Mixed, MixedStart, OneOf, Posed},
+    absorber::mixed::{Mixed, OneOf, Posed},
     absorber::several::{Several, Starts},
     absorber::{Absorber, ImpactLaw, OnStructure, Point},
     error::Invalid,
     flight::GapPoint,
-    force::{Acts, Force, Harmonic, Impulse},
+    force::{Acts, Force, Impulse},
     host::{Host, UndrivenHost},
     impact::Impact,
-    piva::{Angles, Given, Parameters, Piva, PivaStart},
+    piva::{Parameters, Piva, PivaStart},
     real::{Real, twofold::Twofold},
     run::{Run, run},
-    simulate::{Limits, Outcome, resume, simulate},
-    siva::FreeMass,
+    simulate::{Outcome, resume, simulate},
 };
+use iva_tests::mixed_list::{Any, any, any_list, limits, mass, mixed, piva, placed, push, start};
 use iva_tests::rng::Rng;
-
-/// An absorber and its start, in plain numbers.
-#[derive(Debug, Clone, Copy)]
-struct Any {
-    /// [`None`] for a free mass, else L/d, r, κ, b/L, ζp, σ and whether its angles are small.
-    swing: Option<([f64; 6], bool)>,
-    /// μ, e, e at wall −, d.
-    common: [f64; 4],
-    /// Offset of the gap of a free mass.
-    offset: f64,
-    /// y from the middle of the gap, over d, and w.
-    start: [f64; 2],
-}
-
-fn any(rng: &mut Rng, pendulum: bool) -> Any {
-    let swing = [
-        rng.range(1.4, 6.0),
-        rng.range(0.3, 1.5),
-        rng.pick(&[1.0, 1.0, 1.3]),
-        rng.pick(&[1.0, 1.0, 1.2, 0.9]),
-        rng.pick(&[0.0, 0.0, 0.05]),
-        rng.pick(&[0.0, 0.0, 0.7]),
-    ];
-    let small = rng.unit() < 0.2;
-    Any {
-        swing: pendulum.then_some((swing, small)),
-        common: [
-            rng.log_range(0.02, 1.0),
-            rng.range(0.2, 0.9),
-            rng.range(0.2, 0.9),
-            rng.range(0.2, 1.5),
-        ],
-        offset: rng.range(-0.2, 0.2),
-        start: [rng.range(-0.9, 0.9), rng.range(-0.5, 0.5)],
-    }
-}
-
-/// A list with at least one pendulum.
-fn any_list(rng: &mut Rng, count: usize) -> Vec<Any> {
-    (0..count)
-        .map(|k| {
-            let pendulum = k == 0 || rng.unit() < 0.5;
-            any(rng, pendulum)
-        })
-        .collect()
-}
-
-fn parameters<R: Real>(any: &Any, zeta: f64) -> Parameters<R> {
-    let ([length, ratio, inertia, contact, pivot, spring], small) = any.swing.unwrap();
-    let [mu, e, _, d] = any.common;
-    let n = R::from;
-    Parameters {
-        frequency_ratio: n(ratio),
-        inertia_ratio: n(inertia),
-        contact_distance: n(length * d) * contact,
-        pivot_damping_ratio: n(pivot),
-        spring_ratio: n(spring),
-        angles: if small { Angles::Small } else { Angles::Large },
-        ..Parameters::point_bob(n(mu), n(e), n(d), n(zeta), n(length * d))
-    }
-}
-
-fn piva<R: Real>(any: &Any, zeta: f64) -> Piva<UndrivenHost<R>> {
-    let minus = R::from(any.common[2]);
-    Piva::new(parameters(any, zeta)).unwrap().with_restitution_minus(minus).unwrap()
-}
-
-fn mass<R: Real>(any: &Any) -> FreeMass<R> {
-    let [mu, e, minus, d] = any.common.map(R::from);
-    let mass = FreeMass::new(mu, e, d).unwrap().with_offset(any.offset.into()).unwrap();
-    mass.with_restitution_minus(minus).unwrap()
-}
-
-fn mixed<R: Real>(all: &[Any], zeta: f64) -> Mixed<UndrivenHost<R>> {
-    let one = |any: &Any| match any.swing {
-        Some(_) => OneOf::pendulum(piva(any, zeta)).unwrap(),
-        None => OneOf::Mass(mass(any)),
-    };
-    Mixed::new(R::from(zeta), all.iter().map(one).collect()).unwrap()
-}
-
-/// y, with the offset of the gap, and w.
-fn placed<R: Real>(any: &Any) -> [R; 2] {
-    let [y, w] = any.start;
-    let offset = if any.swing.is_some() { 0.0 } else { any.offset };
-    [R::from(offset) + R::from(y * any.common[3]), w.into()]
-}
-
-fn start<R: Real>([x, v]: [f64; 2], all: &[Any]) -> MixedStart<R> {
-    let posed = |any: &Any| {
-        let [y, w] = placed(any);
-        Posed { place: Given::Gap(y), rate: Given::Gap(w) }
-    };
-    let posed: Vec<Posed<R>> = all.iter().map(posed).collect();
-    MixedStart::of(Point { x: x.into(), v: v.into() }, &posed)
-}
-
-fn push<R: Real>(amplitude: f64, frequency: f64, acts: Acts) -> Force<R> {
-    let [amplitude, frequency, phase] = [amplitude, frequency, 0.3].map(R::from);
-    Force::harmonic(vec![Harmonic { amplitude, frequency, phase, acts }]).unwrap()
-}
-
-fn limits<R: Real>(duration: f64) -> Limits<R> {
-    Limits::new(duration.into(), R::from(0.3))
-}
 
 /// An impact: the index of its absorber, and numbers.
 type Row = (u8, [f64; 7]);

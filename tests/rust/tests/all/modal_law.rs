@@ -3,15 +3,19 @@
 
 use iva_core::{
     absorber::modal::{Modal, ModalStart, ModalStructure},
-    absorber::{Absorber, ImpactLaw, OnStructure},
+    absorber::restitution::RestitutionLaw,
+    absorber::several::{Several, Starts},
+    absorber::{Absorber, ImpactLaw, OnStructure, Point},
     error::Invalid,
     force::{Acts, Force, Impulse},
     host::{Host, UndrivenHost},
     run::run,
     simulate::Outcome,
+    siva::FreeMass,
 };
 use iva_tests::modal::{
-    Mass, POINTS, any_mass, any_start, any_structure, built, gaps, limits, push,
+    Mass, POINTS, any_mass, any_start, any_structure, built, furthest, gaps, instants, limits,
+    push, rows,
 };
 use iva_tests::rng::Rng;
 
@@ -207,4 +211,81 @@ fn bad_input_is_refused() {
     let outside = ModalStart::new(&[1.0], &[], gaps(&[[0.1, 0.5, 0.4, 0.0, 0.5, 0.0]])).unwrap();
     let error = system.check_start(&outside).unwrap_err().to_string();
     assert!(error.contains("start.0.gap_displacement"), "{error}");
+}
+
+/// Random laws of restitution: power laws, of plastic spheres, and tables.
+fn any_laws(rng: &mut Rng, kind: usize) -> [RestitutionLaw; 2] {
+    [(); 2].map(|()| match kind % 4 {
+        0 => RestitutionLaw::through(rng.range(0.1, 0.5), rng.range(0.3, 1.0), [1, 5]).unwrap(),
+        1 => RestitutionLaw::through(rng.range(0.1, 0.5), rng.range(0.1, 0.3), [1, 5]).unwrap(),
+        2 => RestitutionLaw::table(&[[0.0, rng.range(0.2, 0.6)], [1.0, rng.range(0.1, 0.2)]])
+            .unwrap(),
+        _ => RestitutionLaw::table(&[[0.1, 0.8], [0.4, rng.range(0.3, 0.6)]]).unwrap(),
+    })
+}
+
+/// One mode is the list of masses that flies in closed form, with a restitution that depends on the approach speed: rows of
+/// impacts, sticks and releases, over the first impacts, which conditioning has not yet spread.
+#[test]
+fn laws_on_one_mode_are_those_of_a_list() {
+    let mut rng = Rng::new(97);
+    let [mut impacts, mut episodes] = [0, 0];
+    for k in 0..40 {
+        let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
+        let laws = any_laws(&mut rng, k);
+        let lawful = masses.map(|mass| built::<f64>(mass).with_restitution_laws(laws));
+        let (x, v, zeta) = (rng.range(0.5, 1.5), rng.range(-0.5, 0.5), rng.range(0.0, 0.05));
+        let structure = ModalStructure::new(&[1.0], &[zeta]).unwrap();
+        let structure = structure.with_point("it", &[1.0]).unwrap();
+        let begun = ModalStart::new(&[x], &[v], gaps(&masses)).unwrap();
+        let modal = Modal::new(structure, lawful.map(|mass| (mass, "it"))).unwrap();
+        let list = Several::new(zeta, lawful).unwrap();
+        let starts = Starts { primary: Point { x, v }, gaps: gaps(&masses) };
+        let (a, b) = if k % 3 == 0 {
+            let force = || push(0.4, 0.9, Acts::Primary);
+            let modal = modal.under(force(), "it").unwrap();
+            let a = run(&modal, &begun, &limits(12.0)).unwrap();
+            let b = run(&list.under(force()), &starts, &limits(12.0)).unwrap();
+            ((rows(&a.impacts), instants(&a)), (rows(&b.impacts), instants(&b)))
+        } else {
+            let a = run(&modal, &begun, &limits(12.0)).unwrap();
+            let b = run(&list, &starts, &limits(12.0)).unwrap();
+            ((rows(&a.impacts), instants(&a)), (rows(&b.impacts), instants(&b)))
+        };
+        let first = a.0.len().min(12);
+        assert!(first > 1, "{k}: {first}");
+        let off = furthest(&a.0[..first], &b.0[..first]);
+        assert!(off < 1e-11, "{k}: {off:e}");
+        let alike = a.1.iter().zip(&b.1).take(3).all(|(one, other)| (one - other).abs() < 1e-7);
+        assert!(alike, "{k}: {:?} {:?}", a.1, b.1);
+        (impacts, episodes) = (impacts + first, episodes + a.1.len());
+    }
+    assert!(impacts > 200 && episodes > 15, "{impacts} {episodes}");
+}
+
+/// A law that is the same at all speeds is the number, to the bit; and energy holds with one that is not.
+#[test]
+fn a_constant_law_is_a_number_and_energy_holds_with_others() {
+    let mut rng = Rng::new(101);
+    for k in 0..12 {
+        let structure: ModalStructure = any_structure(&mut rng, 2 + k % 3, k % 2 == 0);
+        let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
+        let start = any_start(&mut rng, structure.count(), &masses);
+        let constant = |mass: Mass| {
+            let law = RestitutionLaw::table(&[[0.5, mass[1]], [1.0, mass[1]]]).unwrap();
+            built::<f64>(mass).with_restitution_laws([law; 2])
+        };
+        let told = |masses: [FreeMass; 2]| {
+            let at = [(masses[0], "p0"), (masses[1], "p1")];
+            let modal = Modal::new(structure.clone(), at).unwrap();
+            let run = run(&modal, &start, &limits(15.0)).unwrap();
+            assert!(run.measures.energy_residual.abs() < 1e-12, "{k}");
+            rows(&run.impacts)
+        };
+        let number = told(masses.map(built));
+        assert_eq!(number, told(masses.map(constant)));
+        let laws = any_laws(&mut rng, k);
+        let lawful = told(masses.map(|mass| built::<f64>(mass).with_restitution_laws(laws)));
+        assert_ne!(number, lawful);
+    }
 }

@@ -12,9 +12,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns;
+use super::lists::{DifferentiableList, Moved, place, tail_of};
 use crate::absorber::several::Several;
 use crate::absorber::sliding::Sliding;
-use crate::absorber::{Absorber, ImpactLaw as _, OnStructure as _};
+use crate::absorber::{Absorber, ImpactLaw as _, OnStructure as _, Point};
 use crate::host::oscillator::Equation;
 use crate::host::{Host, Structure as _};
 
@@ -41,11 +42,9 @@ pub trait LinearMasses: Absorber<Real = f64> {
     fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
     /// q̇, then q̈, then ẏ and ÿ of each mass, while these masses are carried.
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
-    /// How long the rebounds of the chatter of the absorber at hand last that begin in a state, by the first of them.
+    /// As [`DifferentiableList::tail`].
     fn tail(&self, after: &Self::State) -> f64 {
-        let leave = self.distance(after);
-        let rebound = self.law_of(self.at_hand(after), self.wall(after), leave.rate).rebound;
-        2.0 * leave.rate / (leave.curvature.abs() * (1.0 - rebound))
+        tail_of(self, after)
     }
 }
 
@@ -62,23 +61,22 @@ impl LinearStructure {
     }
 
     /// Number of coordinates.
-    pub fn coordinates(&self) -> usize {
+    fn coordinates(&self) -> usize {
         self.stiffness.len()
     }
 
     /// Number of variables of a difference.
-    pub fn variables(&self) -> usize {
+    fn variables(&self) -> usize {
         2 * (self.coordinates() + self.shapes.len())
     }
 
     /// The indices of y and ẏ of a mass.
-    pub fn of(&self, mass: usize) -> [usize; 2] {
-        let y = 2 * (self.coordinates() + mass);
-        [y, y + 1]
+    fn of(&self, mass: usize) -> [usize; 2] {
+        place(self.coordinates(), mass)
     }
 
     /// The derivative of all variables with respect to q, q̇, y and ẏ at the begin, of which coordinates that are masses follow.
-    pub fn begin(&self) -> DMatrix<f64> {
+    fn begin(&self) -> DMatrix<f64> {
         let mut begin = DMatrix::identity(self.variables(), self.variables());
         for (mass, coordinate) in &self.as_coordinates {
             let shape = &self.shapes[*mass];
@@ -107,7 +105,7 @@ impl LinearStructure {
     }
 
     /// The derivative of a motion of length h in which these masses are carried.
-    pub fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
+    fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
         let n = self.coordinates();
         let structure = self.flow_of_structure(carried, h);
         let mut flow = DMatrix::identity(self.variables(), self.variables());
@@ -150,7 +148,7 @@ impl LinearStructure {
 
     /// What q̇ gains by impulses at the points of some masses that change their gap velocities by −(1 + slope) per unit of the
     /// gap velocity of each of these, column by column, while these others are carried.
-    pub fn blows(&self, struck: &[(usize, f64)], carried: &[bool]) -> DMatrix<f64> {
+    fn blows(&self, struck: &[(usize, f64)], carried: &[bool]) -> DMatrix<f64> {
         // The impulses on the masses that have an impact, with the carried ones as part of the structure.
         let compliance = self.compliance(carried);
         let count = struck.len();
@@ -174,13 +172,151 @@ impl LinearStructure {
 
     /// What q gains per y of a mass that comes to rest on its wall, as if it were moved there, and what q̇ gains per y by the
     /// dampers on the way; `carried` with that mass.
-    pub fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
+    fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
         let others: Vec<bool> =
             carried.iter().enumerate().map(|(k, it)| *it && k != mass).collect();
         let pushed = self.compliance(&others) * &self.shapes[mass];
         let share = &pushed / (self.lightness[mass] + self.shapes[mass].dot(&pushed));
         let damped = self.compliance(carried) * (&self.damping * &share);
         [share, -damped]
+    }
+
+    /// As [`DifferentiableList::roundings`]; x and ẋ of the structure at the end.
+    fn roundings<S>(&self, moved: &Moved<'_, S>, Point { x, v }: Point) -> DVector<f64> {
+        let Moved { rates: [first, last], carried, length: h, .. } = *moved;
+        let fastest = first.abs().sup(&last.abs());
+        // A long motion may be fastest in between, up to the root mean square of its velocity.
+        let n = self.coordinates();
+        let whole = (0.5 * (x * x + v * v)).sqrt();
+        let most = |j: usize| {
+            let square = self.stiffness[j].max(f64::MIN_POSITIVE);
+            let speed = (0.5 * (fastest[j].powi(2) + fastest[n + j].powi(2) / square)).sqrt();
+            if n == 1 { whole } else { speed }
+        };
+        let most = DVector::from_fn(n, |j, _| most(j));
+        let size =
+            |fastest: f64, change: f64, most: f64| h * fastest.max((0.25 * h * change).min(most));
+        let mut sizes = DVector::zeros(self.variables());
+        for j in 0..n {
+            let square = self.stiffness[j];
+            let (speed, bend) = (fastest[j], fastest[n + j]);
+            sizes[j] = size(speed, bend, most[j]);
+            sizes[n + j] = size(bend, square * speed, square.sqrt() * most[j]);
+        }
+        for (k, shape) in self.shapes.iter().enumerate().filter(|(k, _)| !carried[*k]) {
+            let [y, w] = self.of(k);
+            let at_point = |of: &dyn Fn(usize) -> f64| {
+                shape.iter().enumerate().map(|(j, phi)| phi.abs() * of(j)).sum::<f64>()
+            };
+            let frequency = |j: usize| self.stiffness[j].sqrt();
+            let change = at_point(&|j| self.stiffness[j] * fastest[j]);
+            let [slow, fast] = [at_point(&|j| most[j]), at_point(&|j| frequency(j) * most[j])];
+            sizes[y] = size(fastest[y], fastest[w], slow);
+            sizes[w] = size(fastest[w], change, fast);
+        }
+        sizes
+    }
+
+    /// As [`DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact.
+    fn impact_matrix(&self, struck: &[(usize, f64)], carried: [&[bool]; 2]) -> DMatrix<f64> {
+        let (n, size) = (self.coordinates(), self.variables());
+        let [before, after] = carried;
+        let mut jump = DMatrix::identity(size, size);
+        for k in (0..after.len()).filter(|k| before[*k] && !after[*k]) {
+            let [_, w] = self.of(k);
+            jump[(w, w)] = 0.0;
+        }
+        let blows = self.blows(struck, after);
+        let flies = |j: &usize| !after[*j] && struck.iter().all(|(k, _)| k != j);
+        for ((k, slope), gained) in struck.iter().zip(blows.column_iter()) {
+            let [_, w] = self.of(*k);
+            jump.view_mut((n, w), (n, 1)).copy_from(&gained);
+            for j in (0..after.len()).filter(flies) {
+                jump[(self.of(j)[1], w)] = -self.shapes[j].dot(&gained);
+            }
+            jump[(w, w)] = -slope;
+        }
+        jump
+    }
+
+    /// As [`DifferentiableList::stick_matrix`], of this mass.
+    fn stick_matrix(&self, mass: usize, carried: &[bool]) -> DMatrix<f64> {
+        let (n, size) = (self.coordinates(), self.variables());
+        let [share, damped] = self.stick(mass, carried);
+        let [y, w] = self.of(mass);
+        let mut map = DMatrix::identity(size, size);
+        map.view_mut((0, y), (n, 1)).copy_from(&share);
+        map.view_mut((n, w), (n, 1)).copy_from(&share);
+        map.view_mut((n, y), (n, 1)).copy_from(&damped);
+        for k in (0..carried.len()).filter(|k| !carried[*k]) {
+            let [place, rate] = self.of(k);
+            let moved = -self.shapes[k].dot(&share);
+            (map[(place, y)], map[(rate, w)]) = (moved, moved);
+            map[(rate, y)] = -self.shapes[k].dot(&damped);
+        }
+        (map[(y, y)], map[(w, w)]) = (0.0, 0.0);
+        map
+    }
+}
+
+impl<S: LinearMasses> DifferentiableList for S {
+    const LINEAR: bool = true;
+
+    fn coordinates(&self) -> usize {
+        self.linear().coordinates()
+    }
+
+    fn derivative_at_begin(&self) -> DMatrix<f64> {
+        self.linear().begin()
+    }
+
+    fn carried(&self, state: &S::State, sticks: bool) -> Vec<bool> {
+        LinearMasses::carried(self, state, sticks)
+    }
+
+    fn rates(&self, state: &S::State, carried: &[bool]) -> DVector<f64> {
+        LinearMasses::rates(self, state, carried)
+    }
+
+    fn flow(&self, _from: &S::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+        self.linear().flow(carried, h)
+    }
+
+    fn roundings(&self, moved: &Moved<'_, S::State>) -> DVector<f64> {
+        self.linear().roundings(moved, self.primary(moved.states[1]))
+    }
+
+    fn impact_matrix(
+        &self,
+        struck: &[usize],
+        [before, _]: [&S::State; 2],
+        carried: [&[bool]; 2],
+    ) -> DMatrix<f64> {
+        let slope = |k: &usize| {
+            let seen = self.turned_to(before, *k);
+            let approach = -self.distance(&seen).rate;
+            (*k, self.law_of(*k, self.wall(&seen), approach).slope)
+        };
+        let slopes: Vec<_> = struck.iter().map(slope).collect();
+        self.linear().impact_matrix(&slopes, carried)
+    }
+
+    fn stick_matrix(&self, state: &S::State, carried: &[bool]) -> DMatrix<f64> {
+        self.linear().stick_matrix(self.at_hand(state), carried)
+    }
+
+    fn tail(&self, after: &S::State) -> f64 {
+        LinearMasses::tail(self, after)
+    }
+
+    fn pressing(&self, absorber: usize, changes: &dyn Fn(usize) -> f64) -> f64 {
+        let linear = self.linear();
+        let n = linear.coordinates();
+        let of = |(j, phi): (usize, &f64)| {
+            let square = linear.stiffness[j];
+            phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
+        };
+        linear.shapes[absorber].iter().enumerate().map(of).sum()
     }
 }
 

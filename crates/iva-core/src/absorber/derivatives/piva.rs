@@ -13,27 +13,71 @@ use crate::number::real::dual::Dual;
 use crate::segment::taylor::{ORDER, Pendulum, Series, Swing};
 
 /// The order of the series of a rough derivative: it leaves out some 10⁻⁵ of that of a step, 10⁻⁸ at full accuracy.
-const ROUGH: usize = 10;
+pub(crate) const ROUGH: usize = 10;
+
+/// Sizes of the terms of the equations of a pendulum before they cancel.
+pub(crate) struct Terms {
+    /// r² |y| + ν |W|, with that of a spring.
+    pub swing: f64,
+    /// |y| W²/b², with which the turning arm pulls at the structure.
+    pub turning: f64,
+    /// How much larger the relative error of cosθ is than that of y, from which it is computed.
+    pub steep: f64,
+}
+
+impl Terms {
+    pub fn of<P: Copy>(pendulum: &Pendulum, state: &PivaState<P>) -> Self {
+        let Pendulum { contact_distance: b, frequency_squared, pivot_damping, .. } = *pendulum;
+        let cosine = state.cosine.value.abs().min(1.0);
+        let (y, w) = (state.y().value.abs(), state.w.value.abs());
+        let wound = pendulum.spring.acting() * pendulum.arc(y, cosine);
+        let swing = frequency_squared * y + wound + pivot_damping * w;
+        let turning = if pendulum.small_angles { 0.0 } else { y * w * w / (b * b) };
+        let sine = y / b;
+        let follows = sine < STEEP && !pendulum.small_angles;
+        let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
+        Self { swing, turning, steep }
+    }
+}
+
+/// As [`Differentiable::sharpness`].
+pub(crate) fn sharpness<P: Copy>(pendulum: &Pendulum, state: &PivaState<P>) -> f64 {
+    let steep = state.y().value.abs() >= STEEP * pendulum.contact_distance;
+    let cosine = state.cosine.value.abs().min(1.0);
+    if steep && !pendulum.small_angles { cosine } else { 1.0 }
+}
+
+/// The begin of a flight in numbers with derivatives with respect to four variables, of which the first has the index `first`;
+/// x and ẋ have the indices 0 and 1, and y and W those from `own` on.
+#[inline(always)]
+pub(crate) fn begun<P: Copy>(
+    pendulum: &Pendulum<Dual<4>>,
+    from: &PivaState<P>,
+    own: usize,
+    first: usize,
+) -> Swing<Dual<4>> {
+    let values = [from.primary.x.value, from.primary.v.value, from.y().value, from.w.value];
+    let [mut x, mut u, mut y, mut w] = values.map(Dual::constant);
+    for (number, index) in [(&mut x, 0), (&mut u, 1), (&mut y, own), (&mut w, own + 1)] {
+        if (first..first + 4).contains(&index) {
+            number.slopes[index - first] = 1.0;
+        }
+    }
+    let mut c = Dual::constant(from.cosine.value);
+    if !pendulum.small_angles && from.cosine.value != 0.0 {
+        let b = pendulum.contact_distance.value;
+        let slope = -y.value / (b * b * from.cosine.value);
+        c.slopes = y.slopes.map(|it| it * slope);
+    }
+    Swing { x, u, y, w, c, arc: pendulum.arc(y, c) }
+}
 
 impl<H: Host<Real = f64>> Piva<H> {
     /// The derivative of a flight of length h, from the series up to the order N.
     #[inline(always)]
     fn swung<const N: usize>(&self, from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
-        let y = from.y().value;
-        let mut cosine = Dual::constant(from.cosine.value);
-        if !self.pendulum.small_angles && from.cosine.value != 0.0 {
-            let b = self.parameters.contact_distance;
-            cosine.slopes[2] = -y / (b * b * from.cosine.value);
-        }
-        let (pendulum, y) = (self.pendulum.map(Dual::constant), Dual::variable(y, 2));
-        let start = Swing {
-            x: Dual::variable(from.primary.x.value, 0),
-            u: Dual::variable(from.primary.v.value, 1),
-            y,
-            w: Dual::variable(from.w.value, 3),
-            c: cosine,
-            arc: pendulum.arc(y, cosine),
-        };
+        let pendulum = self.pendulum.map(Dual::constant);
+        let start = begun(&pendulum, from, 2, 0);
         let drive = self.host.drive(&from.phase, h).map(|drive| Drive {
             primary: drive.primary.map(Dual::constant),
             base: drive.base.map(Dual::constant),
@@ -61,29 +105,20 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
     }
 
     fn sizes(&self, state: &PivaState<Phase<H>>) -> Option<Vector4<f64>> {
-        let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
-        let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
+        let Pendulum { mass_ratio, damping_ratio, lever, coupling, .. } = self.pendulum;
         let cosine = state.cosine.value.abs().min(1.0);
         let driven = self.host.drive_ahead::<3>(&state.phase).as_ref().map_or(0.0, Drive::size);
-        let (y, w) = (state.y().value.abs(), state.w.value.abs());
         let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
-        let wound = self.pendulum.spring.acting() * self.pendulum.arc(y, cosine);
-        let swing = frequency_squared * y + wound + pivot_damping * w;
-        let turning = if self.pendulum.small_angles { 0.0 } else { y * w * w / (b * b) };
+        let Terms { swing, turning, steep } = Terms::of(&self.pendulum, state);
         let on_primary = driven + x + 2.0 * damping_ratio * u;
         let primary = (on_primary + mass_ratio * lever * (turning + swing))
             / self.pendulum.inertia(state.y().value);
-        // Where y is not steep, cosθ is computed from y, and its relative error is larger by this factor.
-        let sine = y / b;
-        let follows = sine < STEEP && !self.pendulum.small_angles;
-        let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
+        let w = state.w.value.abs();
         Some(Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing))
     }
 
     fn sharpness(&self, state: &PivaState<Phase<H>>) -> f64 {
-        let steep = state.y().value.abs() >= STEEP * self.parameters.contact_distance;
-        let cosine = state.cosine.value.abs().min(1.0);
-        if steep && !self.pendulum.small_angles { cosine } else { 1.0 }
+        sharpness(&self.pendulum, state)
     }
 
     fn turning(&self, state: &PivaState<Phase<H>>) -> f64 {

@@ -68,13 +68,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
     /// mass times (1 + e)/(1 − e) times the speed of the mass that chatters, and change A by what springs and dampers make of that
     /// velocity.
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
-        if !self.is_sudden(time) {
+        let (at_hand, mass, place) = self.at_hand_of(state);
+        // The bound of a power law has four times the change of the pressure, and a longer first rebound.
+        if !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
             return false;
         }
-        let (at_hand, mass, place) = self.at_hand_of(state);
         let e = mass.law(place.side).restitution;
         let shrinking = (R::ONE + e) / (R::ONE - e);
-        let impulse = self.reduced(at_hand) * 2.0 * shrinking * place.rate.value.abs();
+        // With an e that comes up to 1 all impulses together are what the pressure, less than twice as large, gives meanwhile.
+        let gained = if mass.varies() {
+            place.rate.value.abs() + place.pressure().abs() * time * 2.0
+        } else {
+            shrinking * place.rate.value.abs()
+        };
+        let impulse = self.reduced(at_hand) * 2.0 * gained;
         let flight = self.flight(state);
         (0..self.count).filter(|k| *k != at_hand).all(|k| {
             let Place { distance, rate, stuck, .. } = state.places[k];

@@ -57,7 +57,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         std::array::from_fn(|k| {
             let Place { side, distance, rate, stuck, .. } = state.places[k];
             let strikes = k < self.count && !stuck && distance.value == 0.0 && rate.value < 0.0;
-            strikes.then(|| self.masses[k].law(side).restitution)
+            strikes.then(|| self.masses[k].law_for(side, -rate.value).restitution)
         })
     }
 
@@ -102,8 +102,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let hopping = |k: &usize| {
                 let Place { side, stuck, .. } = places[*k];
                 let pressure = places[*k].pressure();
-                let falls = pressure * (R::ONE - self.masses[*k].law(side).restitution);
                 let speed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
+                let e = self.masses[*k].law_for(side, speed).restitution;
+                let falls = pressure * (R::ONE - e);
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
                 stuck && !carried[*k] && pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
             };
@@ -178,12 +179,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
 impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
-    fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
         let k = self.index(absorber);
-        let e = self.masses[k].law(R::from(wall.sign())).restitution;
-        let impulse = (R::ONE + e) * self.reduced(k);
+        let own = self.masses[k].law_at(wall, approach, R::ZERO);
+        let impulse = (R::ONE + own.restitution) * self.reduced(k);
         let gain = impulse * mobility(self.shape(k), self.shape(k)).value;
-        LawAt::constant(e, e, gain, impulse * self.stiffened(k))
+        LawAt { gain, pressure: impulse * self.stiffened(k), ..own }
     }
 
     fn impulse_at(&self, wall: Wall, approach: R) -> R {
@@ -205,7 +206,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
         let (k, mass, place) = self.at_hand_of(state);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
-        let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
+        let e = mass.law_for(place.side, -place.rate.value).restitution;
+        let w = -place.side * place.rate.value;
         // A mass at rest in space: its gap velocity is summed apart from that of the structure.
         let at_rest = (v + w).abs() <= v.abs() * (R::EPSILON * AT_REST_ULPS);
         let w = if at_rest { -v } else { w };

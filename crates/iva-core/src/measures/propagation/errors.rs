@@ -2,25 +2,20 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::masses::Grown;
+use super::lists::Grown;
 use super::tangent::{released, saltation};
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
-use crate::absorber::mixed::Mixed;
-use crate::absorber::modal::Modal;
-use crate::absorber::several::Several;
-use crate::absorber::sliding::Sliding;
-use crate::absorber::{OnStructure, Point, Wall};
+use crate::absorber::{Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
-use crate::host::Host;
 use crate::segment::flight::Motion;
 
 /// Standard deviation of the rounding error of an increment, in units of 2⁻⁵³ of it.
 pub(super) const ROUNDING: f64 = 0.7;
 /// Standard deviation of the correlated rounding errors of rebounds on one wall, in units of 2⁻⁵³ of
 /// [`Differentiable::sizes`]: each comes from several roundings.
-const ALIKE: f64 = 1.5;
+pub(super) const ALIKE: f64 = 1.5;
 /// The estimate in standard deviations.
 pub(super) const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
@@ -70,18 +65,18 @@ pub struct Errors {
     /// The current motion of a linear system.
     begun: Option<Begun>,
     /// The error of the last impact, and whether it is close to a grazing.
-    last: (f64, bool),
+    pub(super) last: (f64, bool),
     /// The error of the rebounds of a summed tail that follow it, if they do.
-    tail: Option<f64>,
+    pub(super) tail: Option<f64>,
     /// True for a run whose states are carried in plain doubles.
     plain: bool,
     /// True once the estimate has reached [`LOST`].
-    lost: bool,
-    /// Those of free masses on a linear structure.
-    masses: Option<Box<Grown>>,
+    pub(super) lost: bool,
+    /// Those of several absorbers.
+    pub(super) list: Option<Box<Grown>>,
     /// One estimate for each listed impact.
     pub impacts: Vec<TimeError>,
-    condition: f64,
+    pub(super) condition: f64,
     /// Largest error of an impact time τ over max(τ, 1).
     relative: f64,
 }
@@ -100,7 +95,7 @@ impl Default for Errors {
             tail: None,
             plain: false,
             lost: false,
-            masses: None,
+            list: None,
             impacts: Vec::new(),
             condition: 0.0,
             relative: 0.0,
@@ -113,6 +108,11 @@ impl Errors {
     /// flight rounds the state itself, not only what it gains.
     pub fn in_doubles() -> Self {
         Self { plain: true, ..Self::default() }
+    }
+
+    /// Those of a run that begins.
+    pub(super) fn fresh(&self) -> Self {
+        Self { plain: self.plain, ..Self::default() }
     }
 
     /// −log₁₀ of the largest error over max(τ, 1); 0 once the error has reached 1, `None` without impacts.
@@ -304,7 +304,7 @@ impl Errors {
     }
 
     /// Removes impacts that are not to be listed.
-    fn forget(&mut self, absorber: u8, first: u64, floor: f64) {
+    pub(super) fn forget(&mut self, absorber: u8, first: u64, floor: f64) {
         let mut index = 0;
         self.impacts.retain(|impact| {
             let mine = impact.absorber == absorber;
@@ -314,95 +314,10 @@ impl Errors {
     }
 }
 
-/// What a run of free masses on a linear structure tells.
-macro_rules! told_by_masses {
-    ($([$($host:tt)*] $system:ty),*) => {$(
-        impl<$($host)*> Observer<$system> for Errors {
-            fn start(&mut self, system: &$system, from: &Instant<StateOf<$system>>, _duration: f64) {
-                *self = Self { plain: self.plain, ..Self::default() };
-                self.masses = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
-            }
-
-            fn looks_within(&self) -> bool {
-                false
-            }
-
-            fn contact(&mut self, system: &$system, contact: &Contact<'_, StateOf<$system>>) {
-                let (Some(grown), false) = (&mut self.masses, self.lost) else { return };
-                let Contact { time, states, summed } = *contact;
-                if !summed {
-                    (self.last, self.tail) = (grown.struck(system, time, states), None);
-                    (self.lost, self.condition) = (grown.lost, grown.condition);
-                } else if self.tail.is_none() {
-                    self.tail = Some(grown.of_tail(system, states[1]));
-                }
-            }
-
-            fn stick(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.masses {
-                    grown.stick(system, &from.state);
-                }
-            }
-
-            fn release(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.masses {
-                    grown.release(system, from.time.value, &from.state);
-                }
-            }
-
-            fn stop(&mut self, system: &$system, time: f64, states: [&StateOf<$system>; 2]) {
-                if let Some(grown) = &mut self.masses {
-                    grown.stopped(system, time, states);
-                }
-            }
-
-            fn slip(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.masses {
-                    grown.slipped(system, from.time.value, &from.state);
-                }
-            }
-
-            fn impact(&mut self, _system: &$system, impact: &Impact) {
-                self.list(impact);
-            }
-
-            fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
-                self.forget(absorber, first, floor);
-            }
-        }
-    )*};
-}
-told_by_masses!(
-    [H: Host<Real = f64>] Several<H>,
-    [H: Host<Real = f64>, const N: usize] Modal<H, N>,
-    [] Sliding
-);
-
-/// No estimate is made of lists with pendulums: their impacts have none.
-impl<H: Host<Real = f64>> Observer<Mixed<H>> for Errors {
-    fn start(&mut self, _system: &Mixed<H>, _from: &Instant<StateOf<Mixed<H>>>, _duration: f64) {
-        *self = Self { plain: self.plain, lost: true, ..Self::default() };
-    }
-
-    fn looks_within(&self) -> bool {
-        false
-    }
-
-    fn impact(&mut self, _system: &Mixed<H>, impact: &Impact) {
-        self.list(impact);
-    }
-
-    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
-        self.forget(absorber, first, floor);
-    }
-}
-
-type StateOf<S> = <S as OnStructure>::State;
-
 impl<S: Differentiable> Observer<S> for Errors {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
         let Instant { time, state } = from;
-        *self = Self { plain: self.plain, ..Self::default() };
+        *self = self.fresh();
         self.clearance = system.clearance();
         self.wall = (system.distance(state).value == 0.0).then(|| system.wall(state));
         let x = system.primary(state).x.abs();

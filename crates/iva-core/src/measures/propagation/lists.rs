@@ -1,0 +1,402 @@
+//! How errors grow in a run of several absorbers, of a free mass with friction, and on several modes.
+//!
+//! The variables are q and q̇ of the structure, then y and ẏ of each absorber ([`crate::absorber::derivatives::lists`]). One
+//! that is carried along, stuck to a wall or held by friction, has no ẏ of its own; on a wall it has no y either. Impacts
+//! at one instant are taken for one contact, which small errors do not divide.
+//!
+//! Motions on several modes are summed with less rounding than the estimate has for them; it stands for that of the shapes and
+//! frequencies which they are made from.
+//!
+//! A stop in the gap is an event on ẏ = 0 as an impact is one on the distance, with the saltation matrix
+//! I + (f⁺ − f⁻) nᵀ/(nᵀ f⁻). At a slip, as at a release, the motion goes on smoothly.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::errors::{ALIKE, DEVIATIONS, Errors, GRAZING, LOST, ROUNDING, UNIT};
+use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place};
+use crate::absorber::impact::Impact;
+use crate::absorber::mixed::Mixed;
+use crate::absorber::modal::Modal;
+use crate::absorber::several::Several;
+use crate::absorber::sliding::Sliding;
+use crate::absorber::{OnStructure, Wall};
+use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::simulate::Instant;
+use crate::host::Host;
+use crate::segment::flight::Motion;
+
+/// The errors of a state, and its derivative.
+#[derive(Debug, Clone)]
+pub(super) struct Grown {
+    /// Number of coordinates of the structure.
+    coordinates: usize,
+    covariance: DMatrix<f64>,
+    /// Correlated errors of the rebounds on one wall, a column for each variable: those up to the last impact, and those since;
+    /// `None` if there are none.
+    alike: Option<[DMatrix<f64>; 2]>,
+    /// Derivative of the state with respect to that at the begin of the run.
+    derivative: DMatrix<f64>,
+    /// The instant of the last event, and the rates of all variables there.
+    begun: (f64, DVector<f64>),
+    /// Which absorbers are carried since then.
+    carried: Vec<bool>,
+    /// The wall that each absorber has met last.
+    walls: Vec<Option<Wall>>,
+    /// The length that a condition is relative to.
+    unit: f64,
+    pub condition: f64,
+    /// The error of the instant of the last impact of each, and whether it is close to a grazing.
+    last: Vec<(f64, bool)>,
+    /// True once the estimate has reached [`LOST`].
+    pub lost: bool,
+}
+
+impl Grown {
+    pub fn at<S: DifferentiableList>(system: &S, state: &S::State, time: f64) -> Self {
+        let (derivative, count) = (system.derivative_at_begin(), system.absorbers());
+        let size = derivative.nrows();
+        let carried = system.carried(state, false);
+        let x = system.primary(state).x.abs();
+        Self {
+            coordinates: system.coordinates(),
+            covariance: DMatrix::zeros(size, size),
+            alike: None,
+            derivative,
+            begun: (time, system.rates(state, &carried)),
+            carried,
+            walls: vec![None; count],
+            unit: if x > 0.0 { x } else { system.clearance() },
+            condition: 0.0,
+            last: vec![(0.0, false); count],
+            lost: false,
+        }
+    }
+
+    /// The indices of y and ẏ of an absorber.
+    fn of(&self, absorber: usize) -> [usize; 2] {
+        place(self.coordinates, absorber)
+    }
+
+    fn carry(&mut self, map: &DMatrix<f64>) {
+        self.covariance = map * &self.covariance * map.transpose();
+        self.derivative = map * &self.derivative;
+        if let Some(alike) = &mut self.alike {
+            for errors in alike {
+                *errors = map * &*errors;
+            }
+        }
+    }
+
+    /// Adds an independent error of this standard deviation to a variable.
+    fn add(&mut self, variable: usize, deviation: f64) {
+        self.covariance[(variable, variable)] += deviation * deviation;
+    }
+
+    fn deviation(&self, variable: usize) -> f64 {
+        let alike = self.alike.as_ref();
+        let alike = alike.map_or(0.0, |[before, _]| before.row(variable).norm_squared());
+        (self.covariance[(variable, variable)] + alike).sqrt()
+    }
+
+    /// A motion begins at an instant in a state.
+    fn begin<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        time: f64,
+        state: &S::State,
+        sticks: bool,
+    ) {
+        self.carried = system.carried(state, sticks);
+        self.begun = (time, system.rates(state, &self.carried));
+    }
+
+    /// The motion since the last event ends at an instant, in a state: that of a linear system, of which nothing was told
+    /// in between.
+    fn end<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
+        let h = time - self.begun.0;
+        if S::LINEAR && h > 0.0 && !self.lost {
+            let last = system.rates(state, &self.carried);
+            let first = std::mem::replace(&mut self.begun.1, DVector::zeros(0));
+            self.moved(system, h, [state, state], [&first, &last]);
+        }
+    }
+
+    /// A part of the motion of a system that is not linear has ended.
+    fn spanned<S: DifferentiableList>(&mut self, system: &S, h: f64, states: [&S::State; 2]) {
+        let [first, last] = states.map(|state| system.rates(state, &self.carried));
+        self.moved(system, h, states, [&first, &last]);
+    }
+
+    /// A motion of length h has ended, between these states and rates.
+    fn moved<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        h: f64,
+        states: [&S::State; 2],
+        rates: [&DVector<f64>; 2],
+    ) {
+        self.carry(&system.flow(states[0], &self.carried, h));
+        let moved = Moved { states, rates, carried: &self.carried, length: h };
+        let roundings = system.roundings(&moved);
+        for (variable, size) in roundings.iter().enumerate() {
+            self.add(variable, UNIT * ROUNDING * size);
+        }
+        let Some(sizes) = system.sizes(states[0], &self.carried) else { return };
+        let count = sizes.len();
+        let [_, since] =
+            self.alike.get_or_insert_with(|| [(); 2].map(|()| DMatrix::zeros(count, count)));
+        let wrong = sizes * (UNIT * ALIKE * h);
+        *since += DMatrix::from_diagonal(&wrong);
+        // An error of the acceleration displaces as well.
+        let n = self.coordinates;
+        for j in 0..n {
+            since[(j, n + j)] += 0.5 * h * wrong[n + j];
+        }
+        for k in 0..self.carried.len() {
+            let [y, w] = place(n, k);
+            since[(y, w)] += 0.5 * h * system.sharpness(states[0], k) * wrong[w];
+        }
+    }
+
+    /// An impact at an instant between two states, of the absorber at hand and of all that touch their walls with it:
+    /// the error of the instant for the one at hand, and whether it is close to a grazing.
+    pub fn struck<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        time: f64,
+        [before, after]: [&S::State; 2],
+    ) -> (f64, bool) {
+        let at_hand = system.at_hand(before);
+        let strikes = |k: &usize| {
+            let [distance, rate] = system.approach_of(before, *k);
+            !self.carried[*k] && distance == 0.0 && rate < 0.0
+        };
+        let struck: Vec<usize> = (0..self.carried.len()).filter(strikes).collect();
+        // All of one instant are taken at the first of them.
+        if struck.first() == Some(&at_hand) {
+            self.end(system, time, before);
+            self.meet(system, before, &struck);
+            for &absorber in &struck {
+                self.last[absorber] = self.met(system, before, absorber);
+            }
+            if !self.lost {
+                self.jump(system, &struck, [before, after]);
+            }
+            self.begin(system, time, after, false);
+        }
+        self.last[at_hand]
+    }
+
+    /// Prepares for an impact of some absorbers: where one of them is on the other wall than at its last impact, where other
+    /// numbers are rounded, correlated errors join the covariance.
+    fn meet<S: DifferentiableList>(&mut self, system: &S, before: &S::State, struck: &[usize]) {
+        let Some([up_to, since]) = &mut self.alike else { return };
+        let wall = |k: usize| Some(system.wall(&system.turned_to(before, k)));
+        if struck.iter().all(|k| self.walls[*k] == wall(*k)) {
+            *up_to += &*since;
+        } else {
+            self.covariance += &*up_to * up_to.transpose();
+            up_to.fill(0.0);
+        }
+        since.fill(0.0);
+    }
+
+    /// The error of the instant at which an absorber meets its wall.
+    fn met<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        before: &S::State,
+        absorber: usize,
+    ) -> (f64, bool) {
+        let [y, _] = self.of(absorber);
+        let seen = system.turned_to(before, absorber);
+        let (wall, distance) = (system.wall(&seen), system.distance(&seen));
+        let met = self.walls[absorber].replace(wall);
+        if met.is_some_and(|met| met != wall) {
+            let sharpness = system.sharpness(before, absorber);
+            self.add(y, UNIT * system.clearance_of(absorber) * sharpness);
+        }
+        let (approach, bend) = (distance.rate.abs(), distance.curvature.abs());
+        let beside = DEVIATIONS * self.deviation(y);
+        let margin = approach * approach - 2.0 * bend * beside;
+        let error = 2.0 * beside / (approach + margin.max(0.0).sqrt());
+        self.lost |= !error.is_finite() || error >= LOST || approach == 0.0;
+        if !self.lost {
+            let largest = self.derivative.row(y).amax();
+            self.condition = self.condition.max((self.unit / approach) * largest);
+        }
+        (error, bend * beside > GRAZING * (approach * approach))
+    }
+
+    /// Carries the errors through an impact of some masses, by the saltation matrix of the first of them.
+    fn jump<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        struck: &[usize],
+        [before, after]: [&S::State; 2],
+    ) {
+        let Some(&first) = struck.first() else { return };
+        let n = self.coordinates;
+        let carried = system.carried(after, false);
+        let jump = system.impact_matrix(struck, [before, after], [&self.carried, &carried]);
+        let f = system.rates(before, &self.carried);
+        let f_after = system.rates(after, &carried);
+        let [y, _] = self.of(first);
+        let moved = (&f_after - &jump * &f) / f[y];
+        let mut saltation = jump;
+        let mut column = saltation.column_mut(y);
+        column += moved;
+        let speeds = (0..n).chain(struck.iter().map(|k| self.of(*k)[0]));
+        let rounded: Vec<_> = speeds
+            .map(|variable| {
+                let rate = if variable < n { variable + n } else { variable + 1 };
+                (rate, UNIT * ROUNDING * f_after[variable].abs())
+            })
+            .collect();
+        self.carry(&saltation);
+        for (variable, deviation) in rounded {
+            self.add(variable, deviation);
+        }
+    }
+
+    /// The absorber at hand sticks. Stick follows an impact at once: the duration of a summed tail is part of the ride.
+    pub fn stick<S: DifferentiableList>(&mut self, system: &S, state: &S::State) {
+        let carried = system.carried(state, true);
+        let map = system.stick_matrix(state, &carried);
+        self.carry(&map);
+        self.begin(system, self.begun.0, state, true);
+    }
+
+    /// Masses that were stuck are free from an instant on: each begins at rest on its wall.
+    pub fn release<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
+        self.end(system, time, state);
+        let freed = system.carried(state, false);
+        let size = self.covariance.nrows();
+        let mut map = DMatrix::identity(size, size);
+        for k in (0..freed.len()).filter(|k| self.carried[*k] && !freed[*k]) {
+            for variable in self.of(k) {
+                map[(variable, variable)] = 0.0;
+            }
+        }
+        self.carry(&map);
+        self.begin(system, time, state, false);
+    }
+
+    /// A mass has stopped in its gap at an instant, between these states.
+    pub fn stopped<S: DifferentiableList>(
+        &mut self,
+        system: &S,
+        time: f64,
+        [before, after]: [&S::State; 2],
+    ) {
+        self.end(system, time, before);
+        let [_, w] = self.of(system.at_hand(before));
+        let f = system.rates(before, &self.carried);
+        self.begin(system, time, after, false);
+        if self.lost {
+            return;
+        }
+        let size = self.covariance.nrows();
+        let mut saltation = DMatrix::identity(size, size);
+        let mut column = saltation.column_mut(w);
+        column += (&self.begun.1 - &f) / f[w];
+        self.carry(&saltation);
+    }
+
+    /// A mass that friction held slides off from an instant on.
+    pub fn slipped<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
+        self.end(system, time, state);
+        self.begin(system, time, state, false);
+    }
+
+    /// The error of all further rebounds of a chatter of the absorber at hand after its last impact, from this state: their
+    /// times add up to T, which is inversely proportional to the pressure on the wall.
+    pub fn of_tail<S: DifferentiableList>(&self, system: &S, after: &S::State) -> f64 {
+        let at_hand = system.at_hand(after);
+        let [_, w] = self.of(at_hand);
+        let leave = system.distance(after);
+        let speed = self.deviation(w) / leave.rate;
+        let pressure = system.pressing(at_hand, &|variable| self.deviation(variable));
+        let pressure = pressure / leave.curvature.abs();
+        let more = DEVIATIONS * system.tail(after) * (speed + pressure);
+        self.last[at_hand].0 + if more.is_finite() { more } else { 0.0 }
+    }
+}
+
+type StateOf<S> = <S as OnStructure>::State;
+
+/// What a run of several absorbers tells.
+macro_rules! told_by_lists {
+    ($([$($host:tt)*] $system:ty),*) => {$(
+        impl<$($host)*> Observer<$system> for Errors {
+            fn start(&mut self, system: &$system, from: &Instant<StateOf<$system>>, _duration: f64) {
+                *self = self.fresh();
+                self.list = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
+            }
+
+            fn looks_within(&self) -> bool {
+                !<$system as DifferentiableList>::LINEAR
+            }
+
+            fn span<M: Motion<Real = f64, State = StateOf<$system>>>(
+                &mut self,
+                system: &$system,
+                span: &Span<'_, M>,
+            ) {
+                let (Some(grown), false) = (&mut self.list, self.lost) else { return };
+                if !<$system as DifferentiableList>::LINEAR {
+                    grown.spanned(system, span.length, [span.motion.origin(), span.end]);
+                }
+            }
+
+            fn contact(&mut self, system: &$system, contact: &Contact<'_, StateOf<$system>>) {
+                let (Some(grown), false) = (&mut self.list, self.lost) else { return };
+                let Contact { time, states, summed } = *contact;
+                if !summed {
+                    (self.last, self.tail) = (grown.struck(system, time, states), None);
+                    (self.lost, self.condition) = (grown.lost, grown.condition);
+                } else if self.tail.is_none() {
+                    self.tail = Some(grown.of_tail(system, states[1]));
+                }
+            }
+
+            fn stick(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.list {
+                    grown.stick(system, &from.state);
+                }
+            }
+
+            fn release(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.list {
+                    grown.release(system, from.time.value, &from.state);
+                }
+            }
+
+            fn stop(&mut self, system: &$system, time: f64, states: [&StateOf<$system>; 2]) {
+                if let Some(grown) = &mut self.list {
+                    grown.stopped(system, time, states);
+                }
+            }
+
+            fn slip(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
+                if let Some(grown) = &mut self.list {
+                    grown.slipped(system, from.time.value, &from.state);
+                }
+            }
+
+            fn impact(&mut self, _system: &$system, impact: &Impact) {
+                self.list(impact);
+            }
+
+            fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+                self.forget(absorber, first, floor);
+            }
+        }
+    )*};
+}
+told_by_lists!(
+    [H: Host<Real = f64>] Several<H>,
+    [H: Host<Real = f64>, const N: usize] Modal<H, N>,
+    [] Sliding,
+    [H: Host<Real = f64>] Mixed<H>
+);

@@ -1,0 +1,190 @@
+//! The estimated errors of runs of lists with a pendulum: against true errors, which are those against runs in numbers of
+//! twice the precision, against the estimates for a single pendulum, and against differences of runs.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use iva_core::{
+    absorber::mixed::{MixedStart, Posed},
+    force::Acts,
+    impact::Impact,
+    observe::Events,
+    piva::{Given, PivaStart},
+    propagation::Errors,
+    real::{Real, twofold::Twofold},
+    simulate::simulate,
+};
+use iva_tests::mixed_list::{Any, any, any_list, limits, mixed, parameters, piva, push, start};
+use iva_tests::rng::Rng;
+
+/// A list and what drives it.
+struct Scene {
+    all: Vec<Any>,
+    at: [f64; 2],
+    zeta: f64,
+    acts: Option<Acts>,
+}
+
+impl Scene {
+    fn random(rng: &mut Rng, count: usize, acts: Option<Acts>) -> Self {
+        let all = any_list(rng, count);
+        let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
+        Self { all, at, zeta: rng.range(0.0, 0.05), acts }
+    }
+
+    /// The impacts of a run from a start, and the errors of one in doubles.
+    fn events<R: Real>(&self, begun: &MixedStart<R>, duration: f64) -> Events<R> {
+        let (system, limits) = (mixed::<R>(&self.all, self.zeta), limits::<R>(duration));
+        let mut events = Events::default();
+        match self.acts {
+            Some(acts) => {
+                let system = system.under(push(0.4, 0.9, acts));
+                simulate(&system, begun, &limits, None, &mut events).unwrap();
+            }
+            None => {
+                simulate(&system, begun, &limits, None, &mut events).unwrap();
+            }
+        }
+        events
+    }
+
+    fn errors(&self, duration: f64) -> Errors {
+        let (system, limits) = (mixed::<f64>(&self.all, self.zeta), limits::<f64>(duration));
+        let (begun, mut errors) = (start(self.at, &self.all), Errors::default());
+        match self.acts {
+            Some(acts) => {
+                let system = system.under(push(0.4, 0.9, acts));
+                simulate(&system, &begun, &limits, None, &mut errors).unwrap();
+            }
+            None => {
+                simulate(&system, &begun, &limits, None, &mut errors).unwrap();
+            }
+        }
+        errors
+    }
+}
+
+fn drive(k: usize) -> Option<Acts> {
+    [None, Some(Acts::Primary), None, Some(Acts::Base)][k % 4]
+}
+
+/// True errors exceed their estimates as rarely as those of a single pendulum do, and estimates are of their size.
+#[test]
+fn estimates_cover_the_errors() {
+    let mut rng = Rng::new(71);
+    let [mut told, mut beyond, mut episodes] = [0, 0, 0];
+    let mut ratios = Vec::new();
+    for k in 0..48 {
+        let scene = Scene::random(&mut rng, 1 + k % 4, drive(k));
+        let events = scene.events::<f64>(&start(scene.at, &scene.all), 20.0);
+        let exact = scene.events::<Twofold>(&start(scene.at, &scene.all), 20.0);
+        let errors = scene.errors(20.0);
+        episodes += events.episodes.len();
+        assert_eq!(errors.impacts.len(), events.impacts.len());
+        let pairs = events.impacts.iter().zip(&exact.impacts).zip(&errors.impacts);
+        for ((one, other), error) in pairs {
+            let (true, Some(estimate)) = (one.absorber == other.absorber, error.time) else {
+                break;
+            };
+            let off = f64::from(Twofold::from(one.time) - other.time).abs();
+            (told, beyond) = (told + 1, beyond + usize::from(off > estimate));
+            if off > 0.0 {
+                ratios.push(estimate / off);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let typical = ratios[ratios.len() / 2];
+    assert!(told > 800 && episodes > 10, "{told} impacts, {episodes} episodes");
+    assert!(beyond * 100 < told, "{beyond} of {told} beyond their estimates");
+    assert!((2.0..100.0).contains(&typical), "estimates are {typical} times the errors");
+}
+
+/// One pendulum in a list has the condition of the pendulum alone, whose formulas are others, and estimates of its size.
+#[test]
+fn one_in_a_list_has_those_of_a_pendulum() {
+    let mut rng = Rng::new(73);
+    let mut compared = 0;
+    for _ in 0..40 {
+        let one = any(&mut rng, true);
+        let scene =
+            Scene { all: vec![one], at: [rng.range(0.5, 2.0), 0.3], zeta: 0.01, acts: None };
+        let listed = scene.errors(12.0);
+        let begun = start::<f64>(scene.at, &scene.all);
+        let Posed { place, rate } = begun.each[0];
+        let [displacement, velocity] = scene.at;
+        let by_itself = PivaStart { displacement, velocity, place, rate };
+        let (alone, mut errors) = (piva::<f64>(&one, scene.zeta), Errors::default());
+        simulate(&alone, &by_itself, &limits(12.0), None, &mut errors).unwrap();
+        for (one, other) in listed.impacts.iter().zip(&errors.impacts).take(8) {
+            let (Some(one), Some(other)) = (one.time, other.time) else { break };
+            assert!((0.5..2.0).contains(&(one / other)), "{one} {other}");
+            compared += 1;
+        }
+        if let (Some(one), Some(other)) = (listed.condition(), errors.condition()) {
+            assert!((one - other).abs() < 1e-3 * other, "{one} {other}");
+        }
+    }
+    assert!(compared > 100, "{compared}");
+}
+
+/// The gap displacement or velocity of an absorber, of which a small difference is that of y or W alone.
+fn varied(scene: &Scene, variable: usize, by: Twofold) -> MixedStart<Twofold> {
+    let mut begun = start::<Twofold>(scene.at, &scene.all);
+    match variable {
+        0 => begun.primary.x += by,
+        1 => begun.primary.v += by,
+        _ => {
+            let (k, of_rate) = (variable / 2 - 1, variable % 2 == 1);
+            let posed = &mut begun.each[k];
+            let (Given::Gap(y), Given::Gap(w)) = (posed.place, posed.rate) else { panic!() };
+            let swing = scene.all[k].swing.filter(|(_, small)| !small);
+            let cosine = |y: Twofold| match swing {
+                Some(_) => {
+                    let is = parameters::<Twofold>(&scene.all[k], scene.zeta);
+                    let sine = y / is.contact_distance;
+                    (Twofold::ONE - sine * sine).sqrt()
+                }
+                None => Twofold::ONE,
+            };
+            // W = w/cosθ.
+            let faster = w / cosine(y) + if of_rate { by } else { Twofold::ZERO };
+            let y = if of_rate { y } else { y + by };
+            *posed = Posed { place: Given::Gap(y), rate: Given::Gap(cosine(y) * faster) };
+        }
+    }
+    begun
+}
+
+/// The condition is the largest change of an impact time per change of a start value, by differences in twice the precision:
+/// of all variables, so that a wrong derivative of a flight or an impact shows.
+#[test]
+fn the_condition_is_that_of_differences() {
+    let mut rng = Rng::new(79);
+    let [mut compared, mut impacts] = [0, 0];
+    for k in 0..24 {
+        let count = 1 + k % 3;
+        let scene = Scene::random(&mut rng, count, drive(k));
+        let duration = 6.0;
+        let events = scene.events(&start::<f64>(scene.at, &scene.all), duration);
+        let errors = scene.errors(duration);
+        let Some(condition) = errors.condition() else { continue };
+        // Rebounds of a chatter after the last that is listed have their part in it.
+        if !events.episodes.is_empty() || condition > 1e6 {
+            continue;
+        }
+        let small = Twofold::from(1e-12);
+        let mut largest = 0.0_f64;
+        for variable in 0..2 + 2 * count {
+            let [below, above] = [-small, small]
+                .map(|by| scene.events(&varied(&scene, variable, by), duration).impacts);
+            let change = |(a, b): (&Impact<Twofold>, &Impact<Twofold>)| {
+                f64::from((b.time - a.time) / (small + small)).abs()
+            };
+            largest = below.iter().zip(&above).map(change).fold(largest, f64::max);
+        }
+        let expected = largest * scene.at[0];
+        assert!((condition / expected - 1.0).abs() < 1e-4, "{k}: {condition} {expected}");
+        compared += 1;
+        impacts += events.impacts.len();
+    }
+    assert!(compared > 12 && impacts > 60, "{compared} {impacts}");
+}
