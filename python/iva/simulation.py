@@ -155,7 +155,8 @@ class Run(RunTables):
         TypeError
             If `time` is not a number.
         ValueError
-            If it is outside the run, or after its early end, or the structure has several modes.
+            If it is outside the run, or after its early end, if the structure has several modes, or
+            if an absorber has several units.
 
         Examples
         --------
@@ -170,6 +171,9 @@ class Run(RunTables):
         at = number("time", time)
         if isinstance(self.primary, Structure):
             raise ValueError("state_at: a Start has no room for the state of several modes")
+        if _iva.design(self._spec)["absorbers"] > len(absorbers(self.absorber)):
+            rule = "a Start has one place for all units of an absorber"
+            raise ValueError(f"state_at: {rule}; give them as a list of absorbers")
         begin = self.start.time or 0.0
         blows = (force for force in listed(self.force) if isinstance(force, Impulse))
         if at == begin == 0.0 and any((blow.time or 0.0) == 0.0 for blow in blows):

@@ -3,6 +3,8 @@
 import math
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import polars as pl
 import pytest
@@ -174,3 +176,97 @@ def test_what_a_level_motion_does_not_depend_on_is_refused() -> None:
     for name in ("inclination", "inclination_deg", "gravity"):
         with pytest.raises(ValueError, match="the line of motion is level; give one that rises"):
             simulated(in_si(), gradients=(name,))
+
+
+FRAME = iva.Structure(
+    frequencies=[2.0, 5.0], damping_ratios=[0.02], points={"a": [0.6, 0.4]}, base=[1.0, 1.0]
+)
+MASS = iva.Siva(mass=0.2, clearance_mm=300.0, restitution=0.5)
+PENDULUM = iva.Piva(mass_ratio=0.1, clearance=0.5, restitution=0.5, length=3.0, frequency_ratio=0.3)
+LIGHT = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5)
+
+
+@pytest.mark.parametrize(
+    ("key", "run"),
+    [
+        (
+            "start.velocity",
+            lambda value, more: iva.simulate(
+                MASS, FRAME, start=iva.Start(displacement=0.5, velocity=value), duration=8.0, **more
+            ),
+        ),
+        (
+            "start.displacement",
+            lambda value, more: iva.simulate(
+                MASS, FRAME, start=iva.Start(displacement=value, velocity=1.0), duration=8.0, **more
+            ),
+        ),
+        (
+            "force.velocity",
+            lambda value, more: iva.simulate(
+                [LIGHT, PENDULUM],
+                iva.Primary(damping_ratio=0.01),
+                start=iva.Start(displacement=1.0),
+                force=iva.Impulse(velocity=value, time=3.0),
+                duration=8.0,
+                **more,
+            ),
+        ),
+        (
+            "absorber.0.pivot_damping_ratio",
+            lambda value, more: iva.simulate(
+                [replace(PENDULUM, pivot_damping_ratio=value), LIGHT],
+                iva.Primary(damping_ratio=0.01),
+                start=iva.Start(displacement=1.0),
+                duration=8.0,
+                **more,
+            ),
+        ),
+    ],
+)
+def test_what_is_0_is_differentiated_too(
+    key: str, run: Callable[[float, dict[str, Any]], iva.Run]
+) -> None:
+    """One-sided differences of second order: not every parameter may be less than 0."""
+    step = 1e-5
+    none, one, two = (run(times * step, {}) for times in (0.0, 1.0, 2.0))
+    gradient = run(0.0, {"gradients": (key,)}).gradients[key]
+
+    def slope(of: Callable[[iva.Run], float]) -> float:
+        return (4.0 * of(one) - 3.0 * of(none) - of(two)) / (2.0 * step)
+
+    def final(it: iva.Run) -> float:
+        return float(it.summary["energy_final"][0])
+
+    assert gradient.summary["energy_final"][0] == pytest.approx(slope(final), rel=1e-4)
+    for k in range(4):
+
+        def time(it: iva.Run, k: int = k) -> float:
+            return float(it.impacts["time"][k])
+
+        assert gradient.impacts["time"][k] == pytest.approx(slope(time), rel=1e-4, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("key", "more"),
+    [
+        ("friction", {"absorber": replace(LIGHT, friction=0.0, gravity=1.0)}),
+        ("gap_damping_ratio", {"absorber": replace(LIGHT, gap_damping_ratio=0.0)}),
+        ("force.time", {"force": iva.Impulse(velocity=0.4, time=0.0)}),
+    ],
+)
+def test_what_makes_another_scene_at_0_is_refused_there(key: str, more: dict[str, Any]) -> None:
+    scene: dict[str, Any] = {"absorber": LIGHT, "start": iva.Start(displacement=1.0)} | more
+    with pytest.raises(ValueError, match="at 0 it has no derivative"):
+        iva.simulate(scene.pop("absorber"), iva.Primary(), periods=2, gradients=(key,), **scene)
+
+
+def test_gravity_matters_where_a_mass_rubs() -> None:
+    def rubbed(gravity: float, **more: Any) -> iva.Run:
+        mass = replace(LIGHT, friction=0.1, gravity=gravity)
+        start = iva.Start(displacement=1.0)
+        return iva.simulate(mass, iva.Primary(damping_ratio=0.02), start=start, periods=2, **more)
+
+    found = rubbed(1.0, gradients=("gravity",)).gradients["gravity"].summary["energy_friction"][0]
+    high, low = (rubbed(1.0 + by).summary["energy_friction"][0] for by in (1e-6, -1e-6))
+    assert found == pytest.approx((high - low) / 2e-6, rel=1e-5)

@@ -77,14 +77,22 @@ LISTS: dict[str, list[iva.Siva | iva.Piva]] = {
 }
 
 
-@pytest.mark.parametrize("force", [None, iva.Harmonic(amplitude=0.1, relative_frequency=1.0)])
+DRIVES: dict[str, Any] = {
+    "none": None,
+    "harmonic": iva.Harmonic(amplitude=0.1, relative_frequency=1.0),
+    "impulse": iva.Impulse(velocity=0.7, time=7.0),
+    "both": [iva.Harmonic(amplitude=0.1, frequency=1.2), iva.Impulse(velocity=-0.5, time=12.0)],
+}
+
+
+@pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("scene", LISTS)
-def test_energy_of_a_list_is_somewhere(scene: str, force: iva.Harmonic | None) -> None:
+def test_energy_of_a_list_is_somewhere(scene: str, drive: str) -> None:
     run = iva.simulate(
         LISTS[scene],
         iva.Primary(damping_ratio=0.01),
         start=iva.Start(displacement=1.0),
-        force=force,
+        force=DRIVES[drive],
         periods=6,
     )
     split, row = energy_split.split_of(run), run.summary.row(0, named=True)

@@ -112,6 +112,29 @@ def test_until_cuts(run: iva.Run) -> None:
     assert axes.get_xlim() == (0.0, 10.0)
 
 
+def test_runs_that_go_on_are_drawn_from_their_begin(run: iva.Run) -> None:
+    begin = 30.0
+    later = iva.simulate(run.absorber, run.primary, start=run.state_at(begin), periods=5)
+    end = later.trajectory()["time"][-1]
+    for axes in (
+        plots.decay(later),
+        plots.decay(later, relative=False),
+        plots.velocities(later),
+        plots.energy(later),
+    ):
+        assert axes.get_xlim() == (begin, end)
+    displacement, scaled = (
+        line(plots.decay(later, relative=relative), "structure")[1] for relative in (False, True)
+    )
+    assert displacement / abs(displacement[0]) == pytest.approx(scaled, rel=1e-14)
+    moving = plots.animation(later, frames=2)
+    assert moving._fig.axes[-1].get_xlim() == (begin, end)  # type: ignore[attr-defined]
+    moving._draw_was_started = True  # type: ignore[attr-defined]
+    for name in ("decay", "velocities", "animation"):
+        with pytest.raises(ValueError, match="the run begins at 30; give a later time"):
+            getattr(plots, name)(later, until=10.0)
+
+
 @pytest.mark.parametrize("scene", ["run", "metric", "pendulum"])
 def test_velocities_jump(scene: str, request: pytest.FixtureRequest) -> None:
     run: iva.Run = request.getfixturevalue(scene)

@@ -376,3 +376,12 @@ def test_an_early_end_has_no_later_state() -> None:
     assert run.summary["outcome"].item() == "impact_limit"
     with pytest.raises(ValueError, match=r"^time = 20"):
         run.state_at(20.0)
+
+
+def test_units_have_no_state_that_a_start_could_have() -> None:
+    siva = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5, units=2, clearance_spread=0.1)
+    start = iva.Start(displacement=1.0)
+    for absorber in (siva, [siva, iva.Siva(mass_ratio=0.1, clearance=0.4, restitution=0.5)]):
+        run = iva.simulate(absorber, iva.Primary(), start=start, periods=2)
+        with pytest.raises(ValueError, match="one place for all units of an absorber; give them"):
+            run.state_at(3.0)

@@ -23,7 +23,12 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let last = points.saturating_sub(1);
     let step = points.div_ceil(LOOKED_AT).max(1);
     let looked_at = (0..points).step_by(usize::try_from(step).unwrap_or(1)).chain([last]);
-    let designs: Vec<Design> = looked_at.filter_map(|point| study.design(point).ok()).collect();
+    let (designs, owners): (Vec<Design>, Vec<Vec<usize>>) = looked_at
+        .filter_map(|point| {
+            let owners = study.spec(point).ok()?.owners().collect();
+            Some((study.design(point).ok()?, owners))
+        })
+        .unzip();
     let damping = range(&designs, |design| design.scene.damping_ratio());
     let mut out = String::new();
     let several = study.spec.structure();
@@ -42,12 +47,11 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     for number in 0..count {
         let kind = study.spec.choices_of(number).kind;
         let at = several.and_then(|structure| structure.absorber_at(number, count).ok());
-        let told = absorber(&designs, (number, count), kind, (law(study, number), at));
+        let units_of = Units { designs: &designs, owners: &owners, absorber: number };
+        let told = absorber(&units_of, count, kind, (law(study, number), at));
         let _ = writeln!(out, "{}", wrap(&told));
         if kind == Kind::Piva {
-            // The first of the units of an absorber stands for all.
-            let place = study.spec.owners().position(|owner| owner == number);
-            let _ = writeln!(out, "{}", wrap(&pendulum(&designs, place.unwrap_or(0), units)));
+            let _ = writeln!(out, "{}", wrap(&pendulum(&units_of, units)));
         }
     }
     for line in forces(&designs, units) {
@@ -86,23 +90,50 @@ fn modes(structure: &Structure) -> String {
 fn law(study: &Study, number: usize) -> Option<&'static str> {
     let slot = |field| study.spec.slot(field, number);
     let given = |field| study.spec.get_of(number, field).is_some();
-    let has = |field| given(field) || study.sampling.sets(slot(field));
-    // An axis over the restitution takes the place of a table.
-    let swept = study.sampling.sets(slot(FieldId::Restitution));
-    if !swept && study.spec.restitution_table(number).is_some() {
+    let swept = |field: FieldId| {
+        study.sampling.keys().any(|it| it.slot.field == field && it.slot.same_quantity(slot(field)))
+    };
+    // An axis over one of these takes the place of the others, and of a table.
+    let [number_swept, yield_swept] = [FieldId::Restitution, FieldId::YieldSpeed].map(swept);
+    if !(number_swept || yield_swept) && study.spec.restitution_table(number).is_some() {
         return Some("a table of the approach speed");
     }
-    if has(FieldId::YieldSpeed) {
+    if yield_swept || (given(FieldId::YieldSpeed) && !number_swept) {
         return Some("that of plastic spheres");
     }
-    has(FieldId::ReferenceSpeed).then_some("a power law of the approach speed")
+    let power = given(FieldId::ReferenceSpeed) || swept(FieldId::ReferenceSpeed);
+    power.then_some("a power law of the approach speed")
 }
 
-/// The line on an absorber, which has this number of so many: kind, mass ratio and restitution, of one of several the
-/// clearance too.
+/// The units of one absorber of a list in some designs, each with the absorbers that its units belong to.
+struct Units<'a> {
+    designs: &'a [Design],
+    owners: &'a [Vec<usize>],
+    absorber: usize,
+}
+
+impl Units<'_> {
+    /// Each design with the places of the units.
+    fn places(&self) -> impl Iterator<Item = (&Design, std::vec::IntoIter<usize>)> {
+        let own = |owners: &Vec<usize>| {
+            let places = owners.iter().enumerate().filter(|(_, owner)| **owner == self.absorber);
+            places.map(|(place, _)| place).collect::<Vec<_>>().into_iter()
+        };
+        self.designs.iter().zip(self.owners.iter().map(own))
+    }
+
+    /// The values of all units.
+    fn values(&self, value: fn(Absorber) -> f64) -> impl Iterator<Item = f64> {
+        self.places().flat_map(move |(design, places)| {
+            places.filter_map(move |place| design.scene.absorber_of(place).map(value))
+        })
+    }
+}
+
+/// The line on an absorber, of so many in a list: kind, mass ratio and restitution, of one of several the clearance too.
 fn absorber(
-    designs: &[Design],
-    (number, count): (usize, usize),
+    units: &Units<'_>,
+    count: usize,
     kind: Kind,
     (law, at): (Option<&str>, Option<&str>),
 ) -> String {
@@ -111,11 +142,11 @@ fn absorber(
         Kind::Piva => "pendulum",
         Kind::None => return "Absorber: none".to_owned(),
     };
-    let of = |value: fn(Absorber) -> f64| {
-        let absorber = |design: &Design| design.scene.absorber_of(number);
-        range(designs, |design| absorber(design).map_or(f64::NAN, value))
-    };
-    let mass = of(|absorber| absorber.mass_ratio);
+    let of = |value: fn(Absorber) -> f64| extent(units.values(value));
+    let mass = extent(units.places().map(|(design, places)| {
+        places.filter_map(|place| design.scene.absorber_of(place)).map(|unit| unit.mass_ratio).sum()
+    }));
+    let divided = extent(units.places().map(|(_, places)| places.count() as f64));
     let restitution = match law {
         Some(law) => law.to_owned(),
         None => of(|absorber| absorber.restitution),
@@ -127,13 +158,14 @@ fn absorber(
     };
     let [which, clearance] = match count {
         1 => [String::new(), String::new()],
-        _ => [format!(" {number}"), format!(", clearance {}", of(|it| it.clearance))],
+        _ => [format!(" {}", units.absorber), format!(", clearance {}", of(|it| it.clearance))],
     };
+    let divided = if divided == "1" { String::new() } else { format!(" in {divided} units") };
     let mass = match at {
         Some(point) => format!("{mass} kg at {point}"),
         None => format!("mass ratio {mass}"),
     };
-    format!("Absorber{which}: {name}, {mass}, restitution {restitution}{minus}{clearance}")
+    format!("Absorber{which}: {name}{divided}, {mass}, restitution {restitution}{minus}{clearance}")
 }
 
 /// The line on the start: initial displacement of the structure, and the clearance.
@@ -215,10 +247,13 @@ pub(crate) const NOTHING_MOVES: &str =
 
 /// The range of a value over some designs.
 fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
-    let (low, high) = designs
-        .iter()
-        .map(value)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    extent(designs.iter().map(value))
+}
+
+/// The range of some values.
+fn extent(values: impl Iterator<Item = f64>) -> String {
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     span(low, high)
 }
 
@@ -244,9 +279,7 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
         if designs.iter().all(|design| design.scene.has_modes()) {
             let acts = first.harmonics().get(number).map(|harmonic| harmonic.acts);
             let on = if acts == Some(Acts::Base) { "the base" } else { "the structure" };
-            lines.push(format!(
-                "Force on {on}, of {frequency} times the frequency of the first mode"
-            ));
+            lines.push(format!("Force on {on}, of {frequency} times the natural frequency"));
             continue;
         }
         lines.push(format!(
@@ -278,17 +311,22 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     lines
 }
 
-/// The line on a pendulum, which has this place among all absorbers: frequency ratio, spring, length, gravity, and stops out
-/// of reach.
-fn pendulum(designs: &[Design], place: usize, units: UnitSystem) -> String {
-    let of = |read: fn(&Parameters) -> f64| {
-        range(designs, |design| design.scene.pendulum_of(place).map_or(f64::NAN, read))
+/// The line on a pendulum, of whose units the first stands for all: frequency ratio, spring, length, gravity, and stops out of
+/// reach.
+fn pendulum(these: &Units<'_>, units: UnitSystem) -> String {
+    let designs = these.designs;
+    let each = |read: fn(&Parameters) -> f64| {
+        let first = |(design, mut places): (&Design, std::vec::IntoIter<usize>)| {
+            places.next().and_then(|place| design.scene.pendulum_of(place)).map_or(f64::NAN, read)
+        };
+        these.places().map(first).collect::<Vec<_>>()
     };
+    let of = |read| extent(each(read).into_iter());
     let ratio = of(|pendulum| pendulum.frequency_ratio);
     let mut text = format!("Pendulum: frequency ratio {ratio}");
-    let spring = |design: &Design| design.scene.pendulum_of(place).map_or(0.0, |p| p.spring_ratio);
-    if designs.iter().any(|design| spring(design) != 0.0) {
-        let _ = write!(text, ", spring ratio {}", range(designs, spring));
+    let springs = each(|pendulum| pendulum.spring_ratio);
+    if springs.iter().any(|spring| *spring != 0.0) {
+        let _ = write!(text, ", spring ratio {}", extent(springs.into_iter()));
     }
     if designs.iter().all(|design| design.scene.has_angle()) {
         let si = units == UnitSystem::Si;

@@ -193,7 +193,7 @@ periods = 3
             ),
             (FRAME_BY_MODES, "[1, 2.5]", "[1, 2.5, 3]", 9, "give 3, one for each mode"),
             (
-                MODES,
+                FRAME_BY_MODES,
                 "[\"top\", \"top\"]",
                 "[\"top\", \"top\", \"top\"]",
                 5,

@@ -51,6 +51,11 @@ const NOT_PHYSICAL: [FieldId; 5] = [
     FieldId::Discard,
 ];
 
+/// Fields that are 0 where a scene is of another kind, which a run does not have: without friction or dashpot, or with an
+/// impulse that is part of the start.
+const OTHER_AT_ZERO: [FieldId; 4] =
+    [FieldId::Friction, FieldId::GapDamping, FieldId::GapDampingRatio, FieldId::ImpulseTime];
+
 /// The tables of a study without axes, with derivatives in place of numbers. All else is as in the run,
 /// except `near_grazing` of the impacts, which is true from the first impact on that is close to a grazing.
 /// The summary has the additional column `sensitive_from`: the instant from which on derivatives are null
@@ -66,6 +71,10 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
         Slot::from_key(key).map_err(|error| Invalid { field: "gradients".to_owned(), ..error })?;
     let mut spec = study.spec(0)?;
     let value = given(study, &mut spec, slot)?;
+    if value == 0.0 && OTHER_AT_ZERO.contains(&slot.field) {
+        let rule = "at 0 it has no derivative, as the scene is of another kind; give a number above 0, or sweep it";
+        return Err(Invalid::new("gradients", format!("`{}`", slot.path()), rule).into());
+    }
     let design = Given::<Dual>::differentiated(&spec, slot).design()?;
     let request = Request::new(study);
     let plain = spec.design()?;
@@ -148,7 +157,8 @@ fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
     // The derivative at 0 does not exist: with any inclination the absorber starts elsewhere.
     let inclines = slot.field.same_quantity(FieldId::Inclination);
-    let weighs = slot.field == FieldId::Gravity && spec.choices().kind == Kind::Siva;
+    let rubs = spec.get_of(0, FieldId::Friction).is_some_and(|friction| friction != 0.0);
+    let weighs = slot.field == FieldId::Gravity && spec.choices().kind == Kind::Siva && !rubs;
     if (inclines || weighs) && !study.rises() {
         return Err(refused("the line of motion is level; give one that rises"));
     }

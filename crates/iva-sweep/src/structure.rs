@@ -126,7 +126,7 @@ impl Structure {
         let named = |name| -> Result<Option<String>, Invalid> {
             read.names(name)?.map_or(Ok(None), |names| match names.as_slice() {
                 [one] => Ok(Some(one.clone())),
-                _ => Err(form(name, "the name of a point")),
+                _ => Err(form(name, &Entry::Names(names), "the name of a point")),
             })
         };
         let [force_at, seen_at] = [named("force_at")?, named("seen_at")?];
@@ -318,7 +318,7 @@ impl Structure {
                 _ if given.is_empty() => vec![R::ZERO; modes.count()],
                 _ => given,
             };
-            if primary[k] == 0.0 {
+            if primary[k].vanishes() {
                 continue;
             }
             let shape = modes.shapes(self.seen()).map(|shapes| shapes[self.natural_mode]);

@@ -124,9 +124,13 @@ def motion_of(
     Raises
     ------
     TypeError, ValueError
-        If `until` is no number greater than 0.
+        If `until` is no number greater than 0, or not after the begin of the run.
     """
     motion = run.trajectory()
+    begin = float(motion["time"][0])
+    if not limit(until) > begin:
+        rule = f"the run begins at {begin:.6g}; give a later time"
+        raise ValueError(f"until = {shown(until)}: {rule}")
     if design_of(run).absorbers > 1:
         if absorber is None:
             once = ["time", "displacement", "velocity"]

@@ -122,7 +122,7 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
             linewidth=0.6,
             label="_in the system",
         )
-        axes.set_xlim(0.0, split.time[-1])
+        axes.set_xlim(split.time[0], split.time[-1])
         axes.set_ylim(0.0, split.total.max() / scale)
         axes.set_xlabel(labelled("time", "t", units["trajectory"]["time"]))
         if driven:
@@ -264,15 +264,17 @@ def finely(run: Run, designs: list[Design]) -> tuple[Numbers, Marks, list[Motion
     fastest = max(1.0, 2.0 * designs[0].damping_ratio, ratio)
     rows = run.trajectory(int(min(SAMPLES * fastest, MOST_SAMPLES)))
     kicks = [force.time or 0.0 for force in listed(run.force) if isinstance(force, Impulse)]
-    inside = [time for time in kicks if 0.0 < time < rows["time"][-1]]
+    inside = [time for time in kicks if rows["time"][0] < time < rows["time"][-1]]
     if len(designs) > 1:
         # Each absorber has both states of its own impacts only.
         each = [values_of(one["time"]) for one in rows.partition_by("absorber")]
-        inside += [at for times in each for at in times[1:][np.diff(times) == 0.0]]
+        hits = [at for times in each for at in times[1:][np.diff(times) == 0.0]]
         # What happens at the begin has no instant before it.
-        inside = [at for at in inside if at > each[0][0]]
-        time = np.unique(np.concatenate([*each, inside, [before(at) for at in inside]]))
-        still = np.isin(time[1:], inside) & np.isin(time[:-1], [before(at) for at in inside])
+        events = [at for at in [*inside, *hits] if at > each[0][0]]
+        time = np.unique(np.concatenate([*each, events, [before(at) for at in events]]))
+        # An impulse does work.
+        hits = [at for at in hits if at not in inside]
+        still = np.isin(time[1:], hits) & np.isin(time[:-1], [before(at) for at in hits])
         return time, still, motions_at(run, time, len(designs))
     if inside:
         both = run.at([at for time in inside for at in (before(time), time)])

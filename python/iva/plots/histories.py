@@ -151,7 +151,7 @@ def decay(
                     transform=axes.get_xaxis_transform(),
                     label=f"impacts, {name}",
                 )
-        axes.set_xlim(0.0, end)
+        axes.set_xlim(motion["time"][0], end)
         axes.margins(y=0.08)
         axes.set_xlabel(labelled("time", "t", units["time"]))
         unit = "1" if relative else units["displacement"]
@@ -191,14 +191,14 @@ def settle_lines(
 
 
 def reference_amplitude(run: Run) -> float:
-    """Return A₀ = |x(0)|, or the first peak where x(0) = 0.
+    """Return A₀ = |x| at the begin of the run, or the first peak where that is 0.
 
     Raises
     ------
     ValueError
         If nothing moves.
     """
-    start = abs(float(run.at([0.0])["displacement"][0]))
+    start = abs(float(run.at([run.start.time or 0.0])["displacement"][0]))
     if start == 0.0:
         start = float(frame_of(run, "envelope")["amplitude"][0])
     if start == 0.0:
@@ -266,7 +266,7 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
             colour = EACH[place % len(EACH)]
             axes.plot(own["time"], velocity, color=colour, linewidth=0.8, label=name)
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
-        axes.set_xlim(0.0, end)
+        axes.set_xlim(motion["time"][0], end)
         axes.set_xlabel(labelled("time", "t", units["time"]))
         axes.set_ylabel(labelled("velocity", symbols, units["velocity"]))
         legend_above(axes, 2)

@@ -97,7 +97,8 @@ def raster(
                 rasterized=side.height > 5_000,  # a page of vectors would be slow to turn
             )
         axes.set_ylim(heights.min() - 1.2 * half, heights.max() + 1.2 * half)
-        axes.set_xlim(0.0, end if np.isfinite(end) else None)
+        begin = (table.start.time or 0.0) if isinstance(table, Run) else 0.0
+        axes.set_xlim(begin, end if np.isfinite(end) else None)
         axes.set_xlabel(labelled("time", "t", units["impacts"]["time"]))
         axes.set_ylabel(of_column(by, units["summary"].get(by, "")))
         if isinstance(table, Run):

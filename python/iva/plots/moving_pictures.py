@@ -130,7 +130,7 @@ def moving(figure: Figure, run: Run, until: float | None, frames: int, fps: int)
     for absorber in range(count):
         motion, end = motion_of(run, until, absorber)
         motions.append(motion)
-    instants = np.linspace(0.0, end, int(frames))
+    instants = np.linspace(motions[0]["time"][0], end, int(frames))
     hits = frame_of(run, "impacts").filter(pl.col("time") <= end)
     *above, below = figure.subplots(count + 1)
     largest = float(np.abs(motions[0]["displacement"]).max())
@@ -215,7 +215,7 @@ def trace(
     (past,) = axes.plot([], [], color=STRUCTURE)
     (now,) = axes.plot([], [], "o", color=STRUCTURE, markersize=4)
     units = run.units["trajectory"]
-    axes.set_xlim(0.0, end)
+    axes.set_xlim(motion["time"][0], end)
     axes.margins(y=0.08)
     axes.set_xlabel(labelled("time", "t", units["time"]))
     axes.set_ylabel(labelled("x", "", units["displacement"]))

@@ -82,6 +82,12 @@ pub trait Real:
         self.into()
     }
 
+    /// True if it is 0 with all its derivatives: only then may a term be left out that it multiplies.
+    #[inline(always)]
+    fn vanishes(self) -> bool {
+        self == 0.0
+    }
+
     /// The reciprocal 1/n.
     fn reciprocal(n: usize) -> Self;
 

@@ -5,8 +5,17 @@ use iva_core::error::{Invalid, number};
 use super::{Entry, Points, System, path};
 
 /// The error for an entry of another form.
-pub(super) fn form(entry: &str, wanted: &str) -> Invalid {
-    Invalid::new(path(entry), "something else", format!("give {wanted}"))
+pub(super) fn form(name: &str, entry: &Entry, wanted: &str) -> Invalid {
+    let given = match entry {
+        Entry::Mode(number) => number.to_string(),
+        Entry::Name(name) => format!("\"{name}\""),
+        Entry::Names(all) => format!("{} names", all.len()),
+        Entry::Numbers(all) if all.is_empty() => "an empty list".to_owned(),
+        Entry::Numbers(all) => format!("{} numbers", all.len()),
+        Entry::Rows(rows) => format!("{} rows", rows.len()),
+        Entry::Named(all) => format!("numbers by {} names", all.len()),
+    };
+    Invalid::new(path(name), given, format!("give {wanted}"))
 }
 
 /// Numbers, if there are so many.
@@ -35,7 +44,7 @@ impl Reader<'_> {
                 finite(name, numbers)?;
                 Ok(Some(numbers.clone()))
             }
-            Some(_) => Err(form(name, "a list of numbers")),
+            Some(other) => Err(form(name, other, "a list of numbers")),
         }
     }
 
@@ -44,7 +53,7 @@ impl Reader<'_> {
             None => Ok(None),
             Some(Entry::Name(one)) => Ok(Some(vec![one.clone()])),
             Some(Entry::Names(names)) => Ok(Some(names.clone())),
-            Some(_) => Err(form(name, "the name of a point, or a list of them")),
+            Some(other) => Err(form(name, other, "the name of a point, or a list of them")),
         }
     }
 
@@ -57,7 +66,7 @@ impl Reader<'_> {
                 let rule = format!("give the number of a mode, from 1 to {n}");
                 Err(Invalid::new(path(name), mode.to_string(), rule))
             }
-            Some(_) => Err(form(name, "the number of a mode, from 1")),
+            Some(other) => Err(form(name, other, "the number of a mode, from 1")),
         }
     }
 
@@ -66,7 +75,9 @@ impl Reader<'_> {
         let rows = match self.get(name) {
             None => return Ok(None),
             Some(Entry::Rows(rows)) => rows,
-            Some(_) => return Err(form(name, "the rows of a matrix, each a list of numbers")),
+            Some(other) => {
+                return Err(form(name, other, "the rows of a matrix, each a list of numbers"));
+            }
         };
         if rows.len() != n || rows.iter().any(|row| row.len() != n) {
             let rule = format!("give {n} rows of {n} numbers, as there are {n} points");
@@ -111,6 +122,9 @@ impl Reader<'_> {
             Invalid::missing(path("frequencies"), "give those of all modes, in rad/s")
         })?;
         let given = if in_hertz { "frequencies_hz" } else { "frequencies" };
+        if frequencies.is_empty() {
+            return Err(Invalid::new(path(given), "an empty list", "give those of all modes"));
+        }
         let standing = frequencies.iter().enumerate().find(|(_, frequency)| **frequency <= 0.0);
         if let Some((mode, frequency)) = standing {
             let field = path(&format!("{given}[{mode}]"));
@@ -124,7 +138,9 @@ impl Reader<'_> {
         };
         let points = match self.get("points") {
             Some(Entry::Named(points)) if !points.is_empty() => points.clone(),
-            Some(_) => return Err(form("points", "the shapes of all modes at each named point")),
+            Some(other) => {
+                return Err(form("points", other, "the shapes of all modes at each named point"));
+            }
             None => {
                 let rule = "give the mass-normalised shapes of all modes at each named point";
                 return Err(Invalid::missing(path("points"), rule));
@@ -145,7 +161,9 @@ impl Reader<'_> {
         let names = match self.get("points") {
             Some(Entry::Names(names)) => names.clone(),
             Some(Entry::Name(name)) => vec![name.clone()],
-            Some(_) => return Err(form("points", "a list with the names of the coordinates")),
+            Some(other) => {
+                return Err(form("points", other, "a list with the names of the coordinates"));
+            }
             None => {
                 let rule = "give a list with the names of the coordinates of the matrices";
                 return Err(Invalid::missing(path("points"), rule));

@@ -386,7 +386,7 @@ impl<R: Real, H: Host<Real = R>> MixedFlight<'_, H> {
         let mut pivot = R::ZERO;
         for (member, Series { w, .. }) in self.system.members.iter().zip(&self.series) {
             let is = &member.pendulum;
-            if is.pivot_damping != 0.0 {
+            if !is.pivot_damping.vanishes() {
                 let w = values::<ORDER, _, _, _>(w, &at);
                 let inertia = is.mass_ratio * is.inertia_ratio * (is.lever * is.lever);
                 pivot += inertia * is.pivot_damping * mean_product(&w, &w) * h;

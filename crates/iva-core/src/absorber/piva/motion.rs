@@ -324,7 +324,8 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             #[inline(always)]
             || {
                 let Series { u, y, w, .. } = &self.series;
-                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.host.moves_base());
+                let (pivots, base) =
+                    (!piva.pendulum.pivot_damping.vanishes(), piva.host.moves_base());
                 let drive = self.drive.as_ref();
                 let integrands = Integrands { u, y, w, drive, pivots, base };
                 let (t, step) = (self.share(h), self.step);

@@ -64,6 +64,10 @@ impl<const N: usize> Real for Dual<N> {
         if differentiated { Self::variable(value, 0) } else { value.into() }
     }
 
+    fn vanishes(self) -> bool {
+        self.value == 0.0 && self.slopes.iter().all(|slope| *slope == 0.0)
+    }
+
     fn reciprocal(n: usize) -> Self {
         Self::constant(Real::reciprocal(n))
     }

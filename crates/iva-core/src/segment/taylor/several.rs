@@ -69,7 +69,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGT
         let n = T::from_real;
         let is = self.member.pendulum;
         let mut rest = n(is.frequency_squared) * self.y[k];
-        if is.pivot_damping != 0.0 {
+        if !is.pivot_damping.vanishes() {
             rest = n(is.pivot_damping).fused(self.w[k], rest);
         }
         if is.spring.acts {
