@@ -66,13 +66,15 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
     }
 
     /// The energy lost by one that has an impact, where the structure gains a velocity.
-    fn lost(&self, state: &MixedState<H>, k: usize, restitution: R, gained: R) -> R {
+    fn lost(&self, state: &MixedState<H>, k: usize, restitution: R, gained: DoubleDouble<R>) -> R {
         let Placed { w, cosine, .. } = state.places[k];
         let pendulum = &self.members[k].pendulum;
-        let (w, lever) = (w.value, pendulum.lever);
-        let turned = pendulum.inertia_ratio * (lever * lever) * ((R::ONE + restitution) * w);
-        let opposed = turned - lever * cosine.value * gained;
-        pendulum.mass_ratio * 0.5 * ((R::ONE - restitution) * w) * opposed
+        let lever = pendulum.lever;
+        // Of a heavy absorber these two nearly cancel.
+        let one = DoubleDouble::new(R::ONE).plus(restitution);
+        let turned = one.times_sum(w).times(pendulum.inertia_ratio).times(lever).times(lever);
+        let opposed = (turned - gained.times_sum(cosine).times(lever)).value;
+        pendulum.mass_ratio * 0.5 * ((R::ONE - restitution) * w.value) * opposed
     }
 
     /// e of each absorber that has its impact in a state: it touches its wall and approaches it.
@@ -145,7 +147,7 @@ impl<R: Real, H: Host<Real = R>> ImpactLaw for Mixed<H> {
             gap_velocity_before: w,
             gap_velocity_after: turned,
             lever: member.pendulum.lever,
-            energy_loss: self.lost(state, k, e, gained.value),
+            energy_loss: self.lost(state, k, e, gained),
         };
         (after, impact)
     }
@@ -160,6 +162,6 @@ impl<R: Real, H: Host<Real = R>> ImpactLaw for Mixed<H> {
         let place = state.places[at_hand].touching(member);
         after.places[at_hand] =
             Placed { w: DoubleDouble::ZERO, stuck: true, released: false, ..place };
-        (after, self.lost(state, at_hand, R::ZERO, gained.value))
+        (after, self.lost(state, at_hand, R::ZERO, gained))
     }
 }
