@@ -201,7 +201,7 @@ pub struct Request<'a> {
 }
 
 /// An absorber whose trajectories may go side by side.
-pub trait Iterated: SideBySide {
+pub trait Iterated: SideBySide + Differentiable {
     /// Goes on with those of a group, which fit together; by default one after the other. The limits are those of one
     /// cycle of each trajectory.
     fn iterate_group(

@@ -43,6 +43,14 @@ pub(crate) fn run(
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
+            Scene::Several(it) => Some(&**it),
+            _ => None,
+        })?;
+        part.run(extremes, |scene| match scene {
+            Scene::DrivenSeveral(it) => Some(&**it),
+            _ => None,
+        })?;
+        part.run(extremes, |scene| match scene {
             Scene::Alone(it) => Some(it),
             _ => None,
         })?;
@@ -98,7 +106,8 @@ impl Part<'_> {
                         let [condition, digits] = Estimates::<S>::of_run(&listed.errors);
                         let named = request.named(listed.passes.iter().copied());
                         let extremes = listed.extremes.clone();
-                        let run = Ended { condition, digits, extremes, named, ..run };
+                        let absorbers = listed.absorbers.clone();
+                        let run = Ended { condition, digits, extremes, absorbers, named, ..run };
                         ended[place] = Some((run, listed));
                     }
                     Err(error) => refused = Some(error),

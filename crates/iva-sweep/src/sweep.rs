@@ -218,7 +218,7 @@ fn run_chunk(
             }
             Some((ended, _)) => ended,
             None if control.cancelled() => break,
-            // Scenes of several absorbers go one by one.
+            // Of lists only those of free masses on one mode go side by side.
             None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();

@@ -37,8 +37,9 @@ pub use state::{InGap, SeveralState};
 pub mod impact_law;
 mod motion;
 mod on_structure;
+pub(crate) mod sight;
 mod state;
-mod touching;
+pub(crate) mod touching;
 
 /// Largest number of absorbers.
 pub const MOST: usize = 8;
@@ -183,12 +184,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     fn jumped(&self, state: &SeveralState<H, N>, gained: DoubleDouble<R>) -> SeveralState<H, N> {
         let mut after = *state;
         for mass in after.masses[..self.count].iter_mut().filter(|mass| !mass.stuck) {
-            let kick = [gained.value, gained.rest].map(|part| mass.side * part);
-            mass.rate = mass.rate.plus_parts(kick[0], kick[1]);
+            *mass = mass.left_by(gained);
         }
-        let Primary { x, v } = state.host.primary;
-        let primary = Primary { x, v: v.plus_parts(gained.value, gained.rest) };
-        after.host = self.hosted(&after, primary);
+        after.host = self.hosted(&after, state.host.primary.faster_by(gained));
         after
     }
 

@@ -29,7 +29,9 @@ pub use crate::absorber::derivatives::{Differentiable, free_mass_impact, free_ma
 pub use errors::{Errors, TimeError};
 pub use tangent::Tangent;
 pub(crate) use tangent::saltation;
+pub use ways::{ByLists, ByTangents, Estimated, Way};
 
 mod errors;
 mod lists;
 mod tangent;
+mod ways;

@@ -13,7 +13,7 @@ use crate::host::Excitation;
 use crate::measures::Wanted;
 use crate::measures::extremes::Extremes;
 use crate::measures::pass::Passes;
-use crate::measures::propagation::Errors;
+use crate::measures::propagation::{Errors, Way as _};
 use crate::measures::steady::Steady;
 use crate::measures::summary::Summary;
 
@@ -80,7 +80,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
         let Job { system, start, begin, limits, steady, .. } = job;
         let Listing { events, errors, extremes, passes, .. } = self.listing;
         // In the fast tier states of free masses are plain doubles; those of pendulums are as in the exact tier.
-        let plain = S::LINEAR && S::tier(job) == Tier::Fast;
+        let plain = !S::Way::LOOKS_WITHIN && S::tier(job) == Tier::Fast;
         let estimate = || if plain { Errors::in_doubles() } else { Errors::default() };
         let from = steady.map_or(*begin, |(_, window)| window.from);
         let passes = Passes::new(from, passes.iter().map(|make| make()).collect());

@@ -30,7 +30,7 @@ use crate::error::Invalid;
 use crate::measures::extremes::{ExtremeValues, Extremes};
 use crate::measures::pass::{Pass, Passes};
 use crate::measures::peaks::Peak;
-use crate::measures::propagation::{Differentiable, Errors};
+use crate::measures::propagation::{Errors, Estimated};
 use crate::measures::steady::{SteadyValues, SteadyWanted, Strobe, Window};
 use crate::measures::summary::Summary;
 use crate::measures::{MeasureValues, Wanted};
@@ -90,7 +90,7 @@ impl Tier {
 pub type Ended<S> = (Tally<<S as OnStructure>::State>, MeasureValues, Option<SteadyValues>);
 
 /// An absorber whose runs can go side by side. By default they go one by one.
-pub trait SideBySide: Differentiable + Sized {
+pub trait SideBySide: Estimated + Sized {
     /// The key of a job: jobs with equal keys form a group whose lanes run side by side. `None`: the job is
     /// run by the event loop.
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {

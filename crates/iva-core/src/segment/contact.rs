@@ -83,13 +83,14 @@ pub fn stays_clear<R: Real>(ends: [[R; 2]; 2], clearance: R, fourth: R, length: 
     let [b1, b2] = inner(ends);
     let least = begin.min(b1).min(b2).min(end);
     // t² (L − t)²/24 over t (L − t) is a quarter of L²/24 at most; the coefficients are three times b1 and b2.
-    let left = begin == 0.0 && b1.min(b2).min(end) > doubt && b1.min(b2) * 3.0 > bent * 4.0 + doubt;
-    let near = left || least > bent + doubt;
+    let left =
+        (begin == 0.0) & (b1.min(b2).min(end) > doubt) & (b1.min(b2) * 3.0 > bent * 4.0 + doubt);
+    let near = left | (least > bent + doubt);
     let wide = clearance * 2.0;
     let across = ends.map(|[value, rate]| [wide - value, -rate]);
     let [c1, c2] = inner(across);
     let least = across[0][0].min(c1).min(c2).min(across[1][0]);
-    near && least > bent + doubt
+    near & (least > bent + doubt)
 }
 
 /// The wall of the contact in a flight of this length, and its distance, if it is proved at once that there is exactly one: the
@@ -97,22 +98,34 @@ pub fn stays_clear<R: Real>(ends: [[R; 2]; 2], clearance: R, fourth: R, length: 
 /// ends, and a bound on the fourth derivative.
 #[inline(always)]
 pub fn only_contact<R: Real>(
-    [values, rates]: [[R; 2]; 2],
+    ends: [[R; 2]; 2],
     clearance: R,
     fourth: R,
     length: R,
 ) -> Option<(Side, R)> {
+    let [near, far] = only_contacts(ends, clearance, fourth, length);
+    if near {
+        return Some((Side::Near, R::ZERO));
+    }
+    far.then_some((Side::Far, clearance * 2.0))
+}
+
+/// [`only_contact`] without branches: whether it is with the near wall, and with the far one.
+#[inline(always)]
+pub(crate) fn only_contacts<R: Real>(
+    [values, rates]: [[R; 2]; 2],
+    clearance: R,
+    fourth: R,
+    length: R,
+) -> [bool; 2] {
     let doubt = R::EPSILON * 0.5 * DOUBT * clearance;
     let ([begin, end], wide) = (values, clearance * 2.0);
     let way = Enclosure::new(values, rates, length, fourth);
     // Doubts of a rate are those of a distance over a share of the length.
     let unsure = doubt * 64.0 / length;
-    if begin > doubt && end < -doubt && way.falls(unsure) {
-        return Some((Side::Near, R::ZERO));
-    }
-    let within = begin == 0.0 || begin > doubt;
-    let rises = within && begin < wide - doubt && end > wide + doubt && way.rises(unsure);
-    rises.then_some((Side::Far, wide))
+    let near = (begin > doubt) & (end < -doubt) & way.falls(unsure);
+    let within = ((begin == 0.0) | (begin > doubt)) & (begin < wide - doubt);
+    [near, within & (end > wide + doubt) & way.rises(unsure)]
 }
 
 /// The last step of Newton's method to a contact, over the length of the flight: the next would be its square.
@@ -123,12 +136,25 @@ const CLOSE: f64 = 1e-7;
 /// level, and rate, at an instant.
 #[inline(always)]
 pub fn meeting<R: Real>(
-    [[begin, end], [rate, end_rate]]: [[R; 2]; 2],
+    ends: [[R; 2]; 2],
     bends: [R; 2],
     level: R,
     length: R,
     off: impl Fn(R) -> [R; 2],
 ) -> Option<R> {
+    let (h, close) = nearest(ends, bends, level, length, off);
+    close.then_some(h)
+}
+
+/// [`meeting`] without branches: the instant, and whether it is close enough.
+#[inline(always)]
+pub(crate) fn nearest<R: Real>(
+    [[begin, end], [rate, end_rate]]: [[R; 2]; 2],
+    bends: [R; 2],
+    level: R,
+    length: R,
+    off: impl Fn(R) -> [R; 2],
+) -> (R, bool) {
     let half_square = length * length * 0.5;
     let quintic = monomials(
         &[begin - level, length * rate, half_square * bends[0]],
@@ -141,7 +167,7 @@ pub fn meeting<R: Real>(
         step = left / rate;
         h -= step;
     }
-    (step.abs() <= length * CLOSE && h > 0.0 && h < length).then_some(h)
+    (h, (step.abs() <= length * CLOSE) & (h > 0.0) & (h < length))
 }
 
 /// True if a stick episode of this length surely does not end: the same for the pressure, whose terms have this size.

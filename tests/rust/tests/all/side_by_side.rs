@@ -29,7 +29,7 @@ pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> St
     let ended = (tally, *summary.values(), summary.steady_values().copied());
     let (peaks, strobes) = (summary.envelope(), summary.steady().and_then(Steady::all_strobes));
     let (extremes, passes) = (extremes.values().to_vec(), passes.values().collect::<Vec<_>>());
-    let seen = format!("{peaks:?} {strobes:?} {extremes:?} {passes:?}");
+    let seen = format!("{peaks:?} {strobes:?} {extremes:?} {passes:?} {:?}", summary.absorbers());
     format!("{ended:?} {events:?} {} {seen}", told(&errors))
 }
 
@@ -91,7 +91,8 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
         assert_eq!(told(&all.errors.unwrap()), errors, "scene {i}");
         let (peaks, strobes) = (peaked.envelope.unwrap(), peaked.strobes);
         assert_eq!(estimated.strobes, strobes, "scene {i}");
-        let seen = format!("{peaks:?} {strobes:?} {}", seen(&looked));
+        assert_eq!(format!("{:?}", all.absorbers), format!("{:?}", peaked.absorbers));
+        let seen = format!("{peaks:?} {strobes:?} {} {:?}", seen(&looked), peaked.absorbers);
         found[i] = format!("{} {events:?} {errors} {seen}", found[i]);
     }
     found

@@ -29,6 +29,31 @@ use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 
+impl<R: Real> InGap<R> {
+    /// The velocity that the structure gains where it has gained some already, from a mass that has its impact with this
+    /// share of the gap velocity.
+    #[inline(always)]
+    pub(crate) fn kicks(&self, gained: DoubleDouble<R>, share: DoubleDouble<R>) -> DoubleDouble<R> {
+        let Self { side, rate, .. } = *self;
+        let kick = share.value * (-side * rate.value);
+        let rest = -side * (share.value * rate.rest + share.rest * rate.value);
+        gained.plus_parts(kick, rest)
+    }
+
+    /// The place of a mass in flight whose structure has gained a velocity.
+    #[inline(always)]
+    pub(crate) fn left_by(&self, gained: DoubleDouble<R>) -> Self {
+        let kick = [self.side * gained.value, self.side * gained.rest];
+        Self { rate: self.rate.plus_parts(kick[0], kick[1]), ..*self }
+    }
+
+    /// The place after an impact with a restitution.
+    #[inline(always)]
+    pub(crate) fn rebounded(&self, restitution: R) -> Self {
+        Self { rate: self.rate.product(DoubleDouble::new(-restitution)), ..*self }
+    }
+}
+
 impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     /// The masses that have their impact in a state: they touch their walls and approach them.
     fn struck(&self, state: &SeveralState<H, N>) -> [bool; N] {
@@ -56,10 +81,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         for (k, restitution) in struck.iter().enumerate() {
             let Some(restitution) = *restitution else { continue };
             let share = share_of(self.masses[k].mass_ratio, restitution, together);
-            let InGap { side, rate, .. } = state.masses[k];
-            let kick = share.value * (-side * rate.value);
-            let rest = -side * (share.value * rate.rest + share.rest * rate.value);
-            gained = gained.plus_parts(kick, rest);
+            gained = state.masses[k].kicks(gained, share);
         }
         gained
     }
@@ -99,7 +121,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         let mut after = self.jumped(&left, gained);
         for (k, restitution) in restitutions.iter().enumerate() {
             let (Some(e), before) = (*restitution, &state.masses[k]) else { continue };
-            after.masses[k].rate = before.rate.product(DoubleDouble::new(-e));
+            after.masses[k].rate = before.rebounded(e).rate;
         }
         let (before, after_it) = (self.primary(state), self.primary(&after));
         let Some((mass, place)) = self.seen(state) else {
@@ -108,7 +130,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         };
         let e = mass.law_for(place.side, -place.rate.value).restitution;
         let w = -place.side * place.rate.value;
-        let opposed = (R::ONE + e) * w - gained.value;
+        // Of a heavy mass these two nearly cancel.
+        let rest = -place.side * place.rate.rest;
+        let turned = DoubleDouble::new(R::ONE).plus(e).times_sum(DoubleDouble { value: w, rest });
+        let opposed = (turned - gained).value;
         let impact = Impact {
             time,
             absorber: state.at_hand,
@@ -154,7 +179,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
         let zero = DoubleDouble::ZERO;
         after.masses[at_hand] = InGap { distance: zero, rate: zero, stuck: true, ..*place };
         let (mass, speed) = (mass.mass_ratio, place.rate.value);
-        let reduced = mass * (R::ONE - mass / together.value);
+        let reduced = mass * (together.plus(-mass).value / together.value);
         (after, reduced * 0.5 * (speed * speed))
     }
 }

@@ -1,12 +1,14 @@
 //! The motion of a structure and of several masses between two events.
 
+use super::sight::{Ends, Met};
 use super::{InGap, MOST, Several, SeveralState};
+use crate::absorber::siva::exact::InFlight;
 use crate::absorber::{Absorber, OnStructure, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear};
+use crate::segment::contact::keeps_pressing;
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Seen, Side, Travel,
     Turns,
@@ -44,15 +46,14 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
         let Flown { to, gained } = self.structure.flown(&self.from.host, &self.course, h);
         let mut masses = self.from.masses;
         for mass in masses[..self.system.count].iter_mut().filter(|mass| !mass.stuck) {
-            let sided = |sum: DoubleDouble<R>| DoubleDouble {
-                value: mass.side * sum.value,
-                rest: mass.side * sum.rest,
-            };
-            let straight = mass.rate.product(DoubleDouble::new(h));
-            let distance = mass.distance.plus_both(straight, sided(gained.curved));
-            (mass.distance, mass.rate) = (distance, mass.rate + sided(gained.velocity));
+            *mass = mass.flown(&gained, h);
         }
         SeveralState { host: to, masses, at_hand: self.from.at_hand }
+    }
+
+    /// The motion to a state, seen from both ends.
+    fn ends<'e>(&'e self, end: &'e SeveralState<H, N>, length: R) -> Ends<'e, Phase<H>, R> {
+        Ends { begin: &self.from.host, end: &end.host, length }
     }
 
     /// The energy lost and the work done in a motion of length h, of structure and one mass with this gap velocity.
@@ -105,12 +106,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn arrival(&self, h: R) -> Self::State {
-        let mut state = self.state(h);
         R::dispatched(
             #[inline(always)]
-            || self.structure.refresh(&mut state.host),
-        );
-        state
+            || {
+                let mut state = self.moved(h);
+                self.structure.refresh(&mut state.host);
+                state
+            },
+        )
     }
 
     fn primary(&self, h: R) -> Jet<R> {
@@ -232,41 +235,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
             );
             return keeps_pressing([pressed(begin), pressed(&end.host)], size, fourth, length);
         }
-        let ends = [from, to].map(|it| [it.distance.value, it.rate.value]);
-        let clearance = self.system.masses[k].clearance;
-        stays_clear(ends, clearance, self.structure.bound::<2>(&begin.primary), length)
+        let (ends, clearance) = (self.ends(end, length), self.system.masses[k].clearance);
+        from.clears(to, self.structure, &ends, clearance)
     }
 
     fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
         let k = usize::from(self.from.at_hand);
         let (from, to) = (self.from.masses.get(k)?, end.masses.get(k)?);
-        let fourth = self.structure.bound::<2>(&self.from.host.primary);
-        let clearance = self.system.masses[k].clearance;
-        let [values, rates] = [[from.distance, to.distance], [from.rate, to.rate]];
-        let ends = [values, rates].map(|ends| ends.map(|end| end.value));
-        let (side, level) =
-            only_contact(ends, clearance, fourth, length).filter(|_| !from.stuck)?;
-        let bends = [&self.from.host, &end.host].map(|host| from.side * host.acceleration.value);
-        let [[begin, _], [rate, _]] = ends;
-        let h = R::dispatched(
+        let (ends, clearance) = (self.ends(end, length), self.system.masses[k].clearance);
+        if from.stuck {
+            return None;
+        }
+        let flight = InFlight { free: self.structure, course: &self.course };
+        let Met { sure, far, h } = R::dispatched(
             #[inline(always)]
-            || {
-                meeting(
-                    ends,
-                    bends,
-                    level,
-                    length,
-                    #[inline(always)]
-                    |h| {
-                        let [curved, gained, _] =
-                            self.structure.ahead(&self.from.host, &self.course, h);
-                        let off = (begin - level) + (rate * h + from.side * curved);
-                        [off, rate + from.side * gained]
-                    },
-                )
-            },
-        )?;
-        Some((h, side))
+            || from.meets(to, &flight, &ends, clearance),
+        );
+        sure.then_some((h, if far { Side::Far } else { Side::Near }))
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

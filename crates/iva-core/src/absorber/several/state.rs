@@ -6,13 +6,14 @@ use crate::absorber::plain::State;
 use crate::absorber::siva::FreeMass;
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Phase};
+use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::GapPoint;
 
 /// The place of one mass in its gap, and its velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InGap<R> {
+pub struct InGap<R = f64> {
     /// Sign of the wall that the distance is measured from.
     pub(crate) side: R,
     pub(crate) distance: DoubleDouble<R>,
@@ -20,6 +21,8 @@ pub struct InGap<R> {
     /// True if the mass is stuck to that wall.
     pub(crate) stuck: bool,
 }
+
+laned!(InGap, InGaps { side: f64, distance: DoubleDouble, rate: DoubleDouble } stuck = false);
 
 /// The state of the structure and of its masses between events.
 #[derive(Debug, PartialEq)]
@@ -41,7 +44,7 @@ impl<H: Host, const N: usize> Copy for SeveralState<H, N> {}
 
 impl<R: Real> InGap<R> {
     /// The place of a mass that is not there.
-    pub(super) const UNUSED: Self = Self {
+    pub(crate) const UNUSED: Self = Self {
         side: R::ONE,
         distance: DoubleDouble { value: R::ONE, rest: R::ZERO },
         rate: DoubleDouble::ZERO,
@@ -66,15 +69,18 @@ impl<R: Real> InGap<R> {
 
     /// The same place, with the distance measured from a wall.
     pub(crate) fn measured_from(&self, wall: Wall, mass: &FreeMass<R>) -> Self {
-        let side = R::from(wall.sign());
-        if side == self.side {
-            return *self;
-        }
-        let across = self.distance.plus(-(mass.clearance * 2.0)).negated();
-        Self { side, distance: across, rate: self.rate.negated(), stuck: self.stuck }
+        if R::from(wall.sign()) == self.side { *self } else { self.across(mass.clearance) }
+    }
+
+    /// The same place, with the distance measured from the other wall of a gap of this clearance.
+    #[inline(always)]
+    pub(crate) fn across(&self, clearance: R) -> Self {
+        let distance = self.distance.plus(-(clearance * 2.0)).negated();
+        Self { side: -self.side, distance, rate: self.rate.negated(), stuck: self.stuck }
     }
 
     /// The place a short time later, in which the structure's absolute velocity changes by `gained`.
+    #[inline(always)]
     pub(crate) fn moved(&self, time: R, gained: R) -> Self {
         let distance = self.distance.plus(self.rate.value * time);
         Self { distance, rate: self.rate.plus(self.side * gained), ..*self }

@@ -67,7 +67,7 @@ type Met = (usize, Option<Side>);
 
 impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Takes another absorber at hand.
-    fn turn_to(&mut self, absorber: usize) {
+    pub(crate) fn turn_to(&mut self, absorber: usize) {
         let at_hand = self.system.at_hand(&self.tally.state);
         if absorber == at_hand {
             return;
@@ -211,18 +211,30 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }
         }
         self.tally.undecided += undecided;
+        let arrived = reached.filter(|_| met.is_none()).unwrap_or_else(|| flight.arrival(end));
         let absorber = met.map_or(system.at_hand(&state), |(absorber, _)| absorber);
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
-        let arrived = reached.filter(|_| met.is_none()).unwrap_or_else(|| flight.arrival(end));
-        let arrived = system.turned_to(&arrived, absorber);
-        self.advance_to(&flight, end, arrived, length == remaining);
+        self.advance_to(&flight, end, system.turned_to(&arrived, absorber), length == remaining);
         match met {
             Some((_, Some(side))) => self.meet(side),
             Some((_, None)) => return self.release(&flight, end),
             None => self.coast(),
         }
         true
+    }
+
+    /// True if all absorbers fly, so that a lane can go on with the run. Low impacts of a streak wait for the decision whether
+    /// they are listed.
+    pub(crate) fn all_fly(&self) -> bool {
+        let (state, at_hand) = (&self.tally.state, self.system.at_hand(&self.tally.state));
+        let goes_on = !self.ended && self.progress.remaining() > 0.0 && !self.progress.is_full();
+        let low = |k: usize| {
+            let waiting = &self.waiting[k].streak;
+            if k == at_hand { self.progress.counts.streak.low } else { waiting.low }
+        };
+        let flies = |k: usize| !self.rides(k) && !self.strikes(k, state) && low(k) == 0.0;
+        goes_on && self.due().is_none() && (0..self.system.absorbers()).all(flies)
     }
 
     /// The contact or the release of the absorber at hand within a length.
@@ -242,14 +254,26 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let before = self.tally.state;
         for absorber in 0..self.system.absorbers() {
             if self.strikes(absorber, &before) {
-                self.turn_to(absorber);
-                let impact = self.strike(&self.system.turned_to(&before, absorber));
-                let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
-                let impulse = gained.abs() * self.system.mass_ratio_of(absorber);
-                self.waiting[absorber].impulse = R::larger(self.waiting[absorber].impulse, impulse);
+                self.strike_by(absorber, &before);
             }
         }
         self.settle();
+    }
+
+    /// A stretch of this length to a state, without an event.
+    pub(crate) fn flown(&mut self, h: R, end: &S::State) {
+        let (system, state) = (self.system, self.tally.state);
+        let end = system.turned_to(end, system.at_hand(&state));
+        self.arrive(&system.flight(&state), [h, R::ZERO], end, false);
+    }
+
+    /// The impact of one absorber from a state in contact.
+    pub(crate) fn strike_by(&mut self, absorber: usize, before: &S::State) {
+        self.turn_to(absorber);
+        let impact = self.strike(&self.system.turned_to(before, absorber));
+        let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
+        let impulse = gained.abs() * self.system.mass_ratio_of(absorber);
+        self.waiting[absorber].impulse = R::larger(self.waiting[absorber].impulse, impulse);
     }
 
     /// After an event: frees absorbers that do not press on their walls any more, and lets those that touch a wall leave

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::lists::Grown;
-use super::tangent::{released, saltation};
+use super::tangent::saltation;
+use super::ways::{Estimated, Way as _};
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
 use crate::absorber::{Point, Wall};
@@ -40,7 +41,7 @@ pub struct TimeError {
 
 /// A motion of a linear system, from the event that it begins with.
 #[derive(Debug, Clone, Copy)]
-struct Begun {
+pub(super) struct Begun {
     /// The instant, in 1/ωn.
     time: f64,
     /// The rates ż there.
@@ -52,24 +53,24 @@ struct Begun {
 /// An observer that estimates the errors of a run.
 #[derive(Debug, Clone)]
 pub struct Errors {
-    covariance: Matrix4<f64>,
+    pub(super) covariance: Matrix4<f64>,
     /// Correlated errors of the rebounds on one wall, a column for each rate: those up to the last impact on
     /// this wall, and those since; `None` if there are none.
-    alike: Option<[Matrix4<f64>; 2]>,
+    pub(super) alike: Option<[Matrix4<f64>; 2]>,
     /// Derivative of the state with respect to that at the begin of the run.
-    derivative: Matrix4<f64>,
-    wall: Option<Wall>,
+    pub(super) derivative: Matrix4<f64>,
+    pub(super) wall: Option<Wall>,
     /// The length that a condition is relative to: |x| of the start, or the clearance.
-    unit: f64,
-    clearance: f64,
+    pub(super) unit: f64,
+    pub(super) clearance: f64,
     /// The current motion of a linear system.
-    begun: Option<Begun>,
+    pub(super) begun: Option<Begun>,
     /// The error of the last impact, and whether it is close to a grazing.
     pub(super) last: (f64, bool),
     /// The error of the rebounds of a summed tail that follow it, if they do.
     pub(super) tail: Option<f64>,
     /// True for a run whose states are carried in plain doubles.
-    plain: bool,
+    pub(super) plain: bool,
     /// True once the estimate has reached [`LOST`].
     pub(super) lost: bool,
     /// Those of several absorbers.
@@ -78,7 +79,7 @@ pub struct Errors {
     pub impacts: Vec<TimeError>,
     pub(super) condition: f64,
     /// Largest error of an impact time τ over max(τ, 1).
-    relative: f64,
+    pub(super) relative: f64,
 }
 
 impl Default for Errors {
@@ -110,11 +111,6 @@ impl Errors {
         Self { plain: true, ..Self::default() }
     }
 
-    /// Those of a run that begins.
-    pub(super) fn fresh(&self) -> Self {
-        Self { plain: self.plain, ..Self::default() }
-    }
-
     /// −log₁₀ of the largest error over max(τ, 1); 0 once the error has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
         let digits = if self.lost { 0.0 } else { -libm::log10(self.relative.max(UNIT)) };
@@ -134,7 +130,7 @@ impl Errors {
         (!self.lost).then_some(&self.derivative)
     }
 
-    fn carry(&mut self, map: &Matrix4<f64>) {
+    pub(super) fn carry(&mut self, map: &Matrix4<f64>) {
         self.covariance = map * self.covariance * map.transpose();
         self.alike = self.alike.map(|alike| alike.map(|errors| map * errors));
         self.derivative = map * self.derivative;
@@ -154,13 +150,13 @@ impl Errors {
     }
 
     /// A motion begins at an event.
-    fn begin<S: Differentiable>(&mut self, from: (f64, Vector4<f64>), riding: bool) {
+    pub(super) fn begin<S: Differentiable>(&mut self, from: (f64, Vector4<f64>), riding: bool) {
         let (time, rates) = from;
         self.begun = S::LINEAR.then_some(Begun { time, rates, riding });
     }
 
     /// The motion of a linear system ends at an instant, with these rates.
-    fn end_motion<S: Differentiable>(
+    pub(super) fn end_motion<S: Differentiable>(
         &mut self,
         system: &S,
         time: f64,
@@ -174,7 +170,7 @@ impl Errors {
     }
 
     /// A motion of length h has ended, with these rates at both ends.
-    fn moved<S: Differentiable>(
+    pub(super) fn moved<S: Differentiable>(
         &mut self,
         system: &S,
         h: f64,
@@ -281,7 +277,7 @@ impl Errors {
 
     /// The error of all further rebounds of a chatter after the last impact, from this state: their times add up
     /// to T = 2u/(A(1 − e)).
-    fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State) -> f64 {
+    pub(super) fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State) -> f64 {
         let leave = system.distance(after);
         let left = 1.0 - system.law_at(system.wall(after), leave.rate).rebound;
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
@@ -314,52 +310,46 @@ impl Errors {
     }
 }
 
-impl<S: Differentiable> Observer<S> for Errors {
+/// What the estimate is told of a run, by the way in which it is made.
+impl<S: Estimated> Observer<S> for Errors {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
-        let Instant { time, state } = from;
-        *self = self.fresh();
-        self.clearance = system.clearance();
-        self.wall = (system.distance(state).value == 0.0).then(|| system.wall(state));
-        let x = system.primary(state).x.abs();
-        self.unit = if x > 0.0 { x } else { self.clearance };
-        self.begin::<S>((time.value, system.rates(state)), false);
+        *self = Self { plain: self.plain, ..Self::default() };
+        S::Way::start(self, system, from);
     }
 
     fn looks_within(&self) -> bool {
-        !S::LINEAR
+        S::Way::LOOKS_WITHIN
     }
 
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
-        let from = span.motion.origin();
-        if !S::LINEAR && !self.lost {
-            let rates = [from, span.end].map(|state| system.rates(state));
-            self.moved(system, span.length, M::RIDING, from, span.end, rates);
+        if S::Way::LOOKS_WITHIN && !self.lost {
+            S::Way::span(self, system, span);
         }
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
         let Contact { time, states, summed } = *contact;
         if !summed {
-            self.struck(system, time, states);
+            S::Way::struck(self, system, time, states);
         } else if self.tail.is_none() {
-            self.tail = Some(self.of_tail(system, states[1]));
+            self.tail = S::Way::of_tail(self, system, states[1]);
         }
     }
 
     fn stick(&mut self, system: &S, from: &Instant<S::State>) {
-        let Instant { time, state } = from;
-        // On the wall hit last; a plastic stick at the begin of a run changes nothing. Stick follows an impact at
-        // once: the duration of a summed tail is left out.
-        self.carry(&system.stick_matrix(self.wall.unwrap_or(Wall::Plus)));
-        self.begin::<S>((time.value, system.rates(state)), true);
+        S::Way::stick(self, system, from);
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
-        let Instant { time, state } = from;
-        let rates = system.rates(state);
-        self.end_motion(system, time.value, state, rates);
-        self.carry(&released());
-        self.begin::<S>((time.value, rates), false);
+        S::Way::release(self, system, from);
+    }
+
+    fn stop(&mut self, system: &S, time: f64, states: [&S::State; 2]) {
+        S::Way::stop(self, system, time, states);
+    }
+
+    fn slip(&mut self, system: &S, from: &Instant<S::State>) {
+        S::Way::slip(self, system, from);
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact) {
@@ -371,7 +361,6 @@ impl<S: Differentiable> Observer<S> for Errors {
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
-        let rates = system.rates(&tally.state);
-        self.end_motion(system, tally.end_time, &tally.state, rates);
+        S::Way::end(self, system, tally);
     }
 }

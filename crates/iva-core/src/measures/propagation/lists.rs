@@ -12,18 +12,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::errors::{ALIKE, DEVIATIONS, Errors, GRAZING, LOST, ROUNDING, UNIT};
+use super::errors::{ALIKE, DEVIATIONS, GRAZING, LOST, ROUNDING, UNIT};
+use crate::absorber::Wall;
 use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place};
-use crate::absorber::impact::Impact;
-use crate::absorber::mixed::Mixed;
-use crate::absorber::modal::Modal;
-use crate::absorber::several::Several;
-use crate::absorber::sliding::Sliding;
-use crate::absorber::{OnStructure, Wall};
-use crate::engine::observe::{Contact, Observer, Span};
-use crate::engine::simulate::Instant;
-use crate::host::Host;
-use crate::segment::flight::Motion;
 
 /// The errors of a state, and its derivative.
 #[derive(Debug, Clone)]
@@ -122,7 +113,7 @@ impl Grown {
     }
 
     /// A part of the motion of a system that is not linear has ended.
-    fn spanned<S: DifferentiableList>(&mut self, system: &S, h: f64, states: [&S::State; 2]) {
+    pub fn spanned<S: DifferentiableList>(&mut self, system: &S, h: f64, states: [&S::State; 2]) {
         let [first, last] = states.map(|state| system.rates(state, &self.carried));
         self.moved(system, h, states, [&first, &last]);
     }
@@ -322,81 +313,3 @@ impl Grown {
         self.last[at_hand].0 + if more.is_finite() { more } else { 0.0 }
     }
 }
-
-type StateOf<S> = <S as OnStructure>::State;
-
-/// What a run of several absorbers tells.
-macro_rules! told_by_lists {
-    ($([$($host:tt)*] $system:ty),*) => {$(
-        impl<$($host)*> Observer<$system> for Errors {
-            fn start(&mut self, system: &$system, from: &Instant<StateOf<$system>>, _duration: f64) {
-                *self = self.fresh();
-                self.list = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
-            }
-
-            fn looks_within(&self) -> bool {
-                !<$system as DifferentiableList>::LINEAR
-            }
-
-            fn span<M: Motion<Real = f64, State = StateOf<$system>>>(
-                &mut self,
-                system: &$system,
-                span: &Span<'_, M>,
-            ) {
-                let (Some(grown), false) = (&mut self.list, self.lost) else { return };
-                if !<$system as DifferentiableList>::LINEAR {
-                    grown.spanned(system, span.length, [span.motion.origin(), span.end]);
-                }
-            }
-
-            fn contact(&mut self, system: &$system, contact: &Contact<'_, StateOf<$system>>) {
-                let (Some(grown), false) = (&mut self.list, self.lost) else { return };
-                let Contact { time, states, summed } = *contact;
-                if !summed {
-                    (self.last, self.tail) = (grown.struck(system, time, states), None);
-                    (self.lost, self.condition) = (grown.lost, grown.condition);
-                } else if self.tail.is_none() {
-                    self.tail = Some(grown.of_tail(system, states[1]));
-                }
-            }
-
-            fn stick(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.list {
-                    grown.stick(system, &from.state);
-                }
-            }
-
-            fn release(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.list {
-                    grown.release(system, from.time.value, &from.state);
-                }
-            }
-
-            fn stop(&mut self, system: &$system, time: f64, states: [&StateOf<$system>; 2]) {
-                if let Some(grown) = &mut self.list {
-                    grown.stopped(system, time, states);
-                }
-            }
-
-            fn slip(&mut self, system: &$system, from: &Instant<StateOf<$system>>) {
-                if let Some(grown) = &mut self.list {
-                    grown.slipped(system, from.time.value, &from.state);
-                }
-            }
-
-            fn impact(&mut self, _system: &$system, impact: &Impact) {
-                self.list(impact);
-            }
-
-            fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
-                self.forget(absorber, first, floor);
-            }
-        }
-    )*};
-}
-told_by_lists!(
-    [H: Host<Real = f64>] Several<H>,
-    [H: Host<Real = f64>, const N: usize] Modal<H, N>,
-    [] Sliding,
-    [H: Host<Real = f64>] Mixed<H>
-);

@@ -1,0 +1,43 @@
+//! In which way the errors of the runs of each absorber are estimated.
+
+use crate::absorber::coupled::{Coupled, Coupling};
+use crate::absorber::mixed::Mixed;
+use crate::absorber::modal::Modal;
+use crate::absorber::piva::Piva;
+use crate::absorber::several::{Alone, Several};
+use crate::absorber::siva::Siva;
+use crate::absorber::sliding::Sliding;
+use crate::host::Host;
+use crate::measures::propagation::{ByLists, ByTangents, Estimated};
+
+impl<H: Host<Real = f64>> Estimated for Siva<H> {
+    type Way = ByTangents;
+}
+
+impl<H: Host<Real = f64>> Estimated for Piva<H> {
+    type Way = ByTangents;
+}
+
+impl<H: Host<Real = f64>> Estimated for Alone<H> {
+    type Way = ByTangents;
+}
+
+impl<C: Coupling<Real = f64>> Estimated for Coupled<C> {
+    type Way = ByTangents;
+}
+
+impl<H: Host<Real = f64>> Estimated for Several<H> {
+    type Way = ByLists;
+}
+
+impl<H: Host<Real = f64>, const N: usize> Estimated for Modal<H, N> {
+    type Way = ByLists;
+}
+
+impl Estimated for Sliding {
+    type Way = ByLists;
+}
+
+impl<H: Host<Real = f64>> Estimated for Mixed<H> {
+    type Way = ByLists;
+}
