@@ -7,7 +7,7 @@ use iva_core::force::Force;
 use iva_core::measures::{MeasureValues, Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::piva::Parameters;
-use iva_core::propagation::{Differentiable, Errors};
+use iva_core::propagation::{Errors, Estimated};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::{Limits, Outcome, Tally, simulate};
 use iva_core::steady::{Steady, SteadyValues, SteadyWanted, Window, without_absorber};
@@ -57,7 +57,7 @@ fn hanging(pendulum: &Parameters) -> Walls {
     Walls::new(contact_distance / length * (1.0 + 2.0 * damping_ratio))
 }
 
-fn run<S: Differentiable>(
+fn run<S: Estimated>(
     system: &S,
     start: &S::Start,
     limits: &Limits,
@@ -109,13 +109,13 @@ fn bare(
     Ok(())
 }
 
-fn judge_tally<S: Differentiable>(system: &S, tally: &Tally<S::State>) {
+fn judge_tally<S: Estimated>(system: &S, tally: &Tally<S::State>) {
     finite("tally", [tally.time_stuck, tally.energy_impacts, tally.end_time]);
     let last = system.primary(&tally.state);
     finite("last state", [last.x, last.v, system.energy(&tally.state)]);
 }
 
-fn judge_events<S: Differentiable>(system: &S, events: &Events) {
+fn judge_events<S: Estimated>(system: &S, events: &Events) {
     for impact in &events.impacts {
         finite(
             "impact",

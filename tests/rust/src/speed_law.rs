@@ -7,7 +7,7 @@ use iva_core::{
     flight::Jet,
     host::UndrivenHost,
     impact::Impact,
-    propagation::{Differentiable, free_mass_impact},
+    propagation::{ByTangents, Differentiable, Estimated, free_mass_impact},
     real::Real,
     run::side_by_side::SideBySide,
     siva::{Siva, SivaState},
@@ -151,6 +151,10 @@ impl Differentiable for Softening {
     fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
         self.siva.stick_matrix(wall)
     }
+}
+
+impl Estimated for Softening {
+    type Way = ByTangents;
 }
 
 impl SideBySide for Softening {}

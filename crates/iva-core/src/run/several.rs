@@ -144,7 +144,7 @@ where
     fn coast(&mut self) {
         let Self { structures, lanes, rounds, masses, states, counts, .. } = self;
         let Some(steps) = structures.steps() else { return };
-        for i in 0..W {
+        for (i, count) in counts.iter_mut().enumerate() {
             let (lane, round, state) = (lanes.get(i), rounds.get(i), states.get(i));
             let masses: [Mass; K] = masses.get(i);
             let mut least = f64::INFINITY;
@@ -153,13 +153,13 @@ where
                 let within = [1.0 / mass.clearance, lane.progress.remaining()];
                 least = least.min(coasts::count(steps, &at, within));
             }
-            counts[i] = pick(round.passed & !round.hit, least, 0.0);
+            *count = pick(round.passed & !round.hit, least, 0.0);
         }
         if !any(counts) {
             return;
         }
-        for i in 0..W {
-            let (mut lane, state, count) = (lanes.get(i), states.get(i), counts[i]);
+        for (i, &count) in counts.iter().enumerate() {
+            let (mut lane, state) = (lanes.get(i), states.get(i));
             let time = steps.time(count);
             let to = coasted(steps, &state, count);
             let later = lane.progress.later(time).clock;

@@ -13,7 +13,7 @@ use iva_core::{
     measures::{Measures, Wanted},
     observe::{Events, Observer, StickEpisode},
     piva::{Parameters, Piva},
-    propagation::{Differentiable, Errors},
+    propagation::{Differentiable, Errors, Estimated},
     sample::Sampler,
     simulate::{Instant, Limits, Outcome, resume, simulate},
     siva::Siva,
@@ -36,7 +36,7 @@ struct Seen {
     errors: Vec<f64>,
 }
 
-fn seen<S: Differentiable>(
+fn seen<S: Differentiable + Estimated>(
     system: &S,
     from: &Instant<S::State>,
     until: f64,
@@ -52,7 +52,12 @@ fn seen<S: Differentiable>(
 
 /// Compares a run in one piece and in two; returns the number of impacts compared and of pieces that begin
 /// stuck.
-fn cut<S: Differentiable>(system: &S, start: &S::Start, at: f64, until: f64) -> [usize; 2] {
+fn cut<S: Differentiable + Estimated>(
+    system: &S,
+    start: &S::Start,
+    at: f64,
+    until: f64,
+) -> [usize; 2] {
     let from = Instant::start(system, start);
     let (whole, end) = seen(system, &from, until);
     let (first, middle) = seen(system, &from, at);

@@ -13,7 +13,7 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     observe::Events,
     piva::{Angles, ImpactLaw, Parameters, Piva},
-    propagation::{Differentiable, Errors},
+    propagation::{Differentiable, Errors, Estimated},
     simulate::{Limits, simulate},
 };
 use iva_sweep::{
@@ -35,7 +35,7 @@ use iva_tests::{
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
 /// The impacts of a run: instant, approach speed, estimated error, and whether it is near a grazing.
-fn impacts<S: Differentiable>(
+fn impacts<S: Differentiable + Estimated>(
     system: &S,
     start: &S::Start,
     limits: &Limits,

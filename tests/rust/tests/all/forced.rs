@@ -8,7 +8,7 @@ use iva_core::{
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     piva::{Parameters, Piva},
-    propagation::{Differentiable, Errors, TimeError},
+    propagation::{Errors, Estimated, TimeError},
     run::{Run, run, states},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
@@ -255,7 +255,7 @@ struct Judged<S> {
 }
 
 impl<S> Judged<S> {
-    fn new<T: Differentiable<State = S>>(system: &T, start: &T::Start, duration: f64) -> Self {
+    fn new<T: Estimated<State = S>>(system: &T, start: &T::Start, duration: f64) -> Self {
         let limits = Limits::new(duration, system.clearance());
         let mut errors = Errors::default();
         simulate(system, start, &limits, None, &mut errors).unwrap();
