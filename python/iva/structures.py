@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from operator import index
 from os import PathLike
-from typing import SupportsIndex
 
 from iva import _iva
 from iva.parameters import is_list, number, numbers, shown
@@ -310,7 +309,7 @@ def entry(name: str, value: Any) -> Any:
 def mode_of(path: str, value: object) -> int:
     """Return the number of a mode."""
     rule = "give the number of a mode, from 1"
-    if isinstance(value, bool) or not isinstance(value, SupportsIndex):
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{path} = {shown(value)}: {rule}")
     if (mode := index(value)) < 1:
         raise ValueError(f"{path} = {shown(value)}: {rule}")

@@ -292,12 +292,8 @@ def test_nothing_else_of_the_restitution_stands_beside_it(name: str) -> None:
 
 
 def test_what_takes_no_law_takes_no_table() -> None:
-    """A structure with several modes, theories, the explorer, a pendulum and an axis."""
+    """Theories, the explorer, a pendulum and an axis."""
     table = siva(restitution_table=POINTS)
-    structure = iva.Structure(frequencies=[1, 2.5], points={"top": [1, 0.5]})
-    alone = iva.Siva(mass=0.1, clearance=0.6, restitution_table=POINTS)
-    with pytest.raises(ValueError, match="= a table of 3 points: on a structure with several"):
-        iva.simulate(alone, structure, start=START, periods=3)
     with pytest.raises(ValueError, match="= a table of 3 points: the theory is of one mass"):
         iva.theory.masri_caughey(table, PRIMARY, iva.Harmonic(amplitude=0.1, frequency=1.0))
     with pytest.raises(ValueError, match="the explorer takes none; give a number"):
