@@ -103,7 +103,7 @@ impl<S: Differentiable> Way<S> for ByTangents {
     }
 }
 
-/// By the derivatives of the motion of several absorbers ([`DifferentiableList`]).
+/// By the derivatives of the motion of several absorbers.
 #[derive(Debug)]
 pub struct ByLists;
 
