@@ -75,10 +75,14 @@ def seen_with_absorbers(run: Run) -> None:
     ValueError
         If it does not: then the motion of absorbers in space is not told.
     """
-    elsewhere = isinstance(run.primary, Structure) and not run.primary._moves_as_seen()
-    if run.absorber is not None and elsewhere:
-        rule = "give seen_at the point of all absorbers for their motion in space"
-        raise ValueError(f"run has absorbers at other points than that which it sees: {rule}")
+    structure = run.primary
+    if run.absorber is None or not isinstance(structure, Structure) or structure._moves_as_seen():
+        return
+    if structure.seen_mode is not None:
+        rule = "leave seen_mode out for the motion of absorbers in space"
+        raise ValueError(f"run sees only a part of its structure's motion: {rule}")
+    rule = "give seen_at the point of all absorbers for their motion in space"
+    raise ValueError(f"run has absorbers at other points than that which it sees: {rule}")
 
 
 def absorbers(given: Absorber | Sequence[Absorber] | None) -> tuple[Absorber | None, ...]:

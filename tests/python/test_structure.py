@@ -260,6 +260,15 @@ def test_runs_see_the_parts_of_modes() -> None:
         assert largest <= told < 1.05 * largest
 
 
+def test_a_part_of_the_motion_is_not_all_of_it() -> None:
+    """Neither an impulse nor a motion in space goes by the part of one mode."""
+    part = frame(seen_mode=2)
+    with pytest.raises(ValueError, match="run sees only a part of its structure"):
+        iva.plots.velocities(iva.simulate(SIVA, part, start=START, periods=2))
+    with pytest.raises(ValueError, match=r"structure\.seen_mode = 2: with impulses a run sees"):
+        iva.simulate(SIVA, part, start=START, force=iva.Impulse(impulse=9.0), periods=2)
+
+
 def test_a_mode_alone_decays_by_its_own_numbers() -> None:
     """In modes without exchange: x = φq with the frequency and damping ratio of the mode."""
     structure = frame(damping=2e-3 * STIFFNESS, natural_mode=2, seen_mode=2)

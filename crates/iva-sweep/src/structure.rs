@@ -228,6 +228,11 @@ impl Structure {
         self.seen_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
     }
 
+    /// The number of the mode of which runs see the part, from 1; `None`: they see all of the motion.
+    pub(crate) fn seen_mode(&self) -> Option<usize> {
+        self.seen_mode.map(|mode| mode + 1)
+    }
+
     /// What runs see, in words: a point, or the part of one mode in its motion.
     pub fn seen_in_words(&self) -> String {
         match self.seen_mode {

@@ -48,6 +48,10 @@ pub(super) fn scene<R: Real>(
         let at = |absorber| structure.absorber_at(absorber, absorbers);
         Riding::all(given, scale, UnitSystem::Si, at)?
     };
+    if let Some(mode) = structure.seen_mode().filter(|_| force.impulses().next().is_some()) {
+        let rule = "with impulses a run sees all of the motion of its point; leave it out";
+        return Err(Invalid::new(path("seen_mode"), mode.to_string(), rule));
+    }
     let primary = [start.displacement, start.velocity];
     let begin = structure.begin(&modes, primary, omega)?;
     mounted(given, modes, riding, begin, [&seen, structure.pushed()], force)
