@@ -20,6 +20,7 @@ __all__ = [
     "check_files",
     "check_restitution_table",
     "column_units",
+    "doubts",
     "curve",
     "design",
     "diagram",
@@ -166,6 +167,7 @@ def check_restitution_table(
 ) -> None: ...
 def check_choices(words: Sequence[tuple[str, str]]) -> None: ...
 def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
+def doubts(spec: _Spec, sampling: tuple[Any, ...] | None = None) -> list[str]: ...
 def simulate(
     spec: _Spec,
     measures: Sequence[str] | None = None,

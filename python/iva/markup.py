@@ -11,12 +11,14 @@ from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.structures import Structure
 from iva.tables import Table
+from iva.units import given_in_mm
 
 
 def of_run(run: Run) -> str:
     """Return parameters, outcome and all measures of a run, with their units."""
-    row = run.summary.row(0, named=True)
-    units = run.units["summary"]
+    told = run.in_mm if given_in_mm(run._spec) else run
+    row = told.summary.row(0, named=True)
+    units = told.units["summary"]
     named: tuple[tuple[str, Part | Force | Structure | None], ...] = (
         *(("absorber", absorber) for absorber in absorbers(run.absorber)),
         ("primary", run.primary),

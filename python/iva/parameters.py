@@ -582,6 +582,12 @@ class Start(Part):
         The same in mm; SI units only.
     velocity : float, optional
         Velocity of the primary system.
+    impulse : float, optional
+        A shock: impulse on the primary system at time zero, in N s, which needs a mass. A free mass
+        stays at rest, where `velocity` would carry it along. With several modes it acts at the
+        point of the force. Settling is relative to the first peak where the displacement is 0.
+    impulse_velocity : float, optional
+        The same as impulse over primary mass, a velocity.
     gap_displacement : float or sequence of float, optional
         Absorber displacement minus primary displacement, at most the clearance in size. By default
         0, and where the line of motion rises the lower stop.
@@ -610,6 +616,11 @@ class Start(Part):
     --------
     >>> Start(displacement=1)
     Start(displacement=1.0)
+
+    A shock on a structure at rest:
+
+    >>> Start(impulse=0.8)
+    Start(impulse=0.8)
     """
 
     _part = "start"
@@ -618,6 +629,8 @@ class Start(Part):
     displacement: float | None = None
     displacement_mm: float | None = None
     velocity: float | None = None
+    impulse: float | None = None
+    impulse_velocity: float | None = None
     gap_displacement: float | Sequence[float] | None = None
     gap_velocity: float | Sequence[float] | None = None
     angle: float | None = None

@@ -29,11 +29,14 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from iva import _iva
+from iva.pandas_frames import from_pandas, is_of_pandas
 from iva.parameters import number, numbers, shown
 from iva.spelling import spell_checked
 
 if TYPE_CHECKING:
     import polars as pl
+
+    from iva.pandas_frames import PandasFrame
 
 #: Largest seed: the whole numbers that a float holds.
 MOST_SEED = 1 << 53
@@ -208,7 +211,7 @@ class LogNormal(Distribution):
 
 
 Sampling: TypeAlias = Sample | str
-Over: TypeAlias = "Mapping[str, Any] | pl.DataFrame"
+Over: TypeAlias = "Mapping[str, Any] | pl.DataFrame | PandasFrame"
 
 
 @spell_checked
@@ -217,7 +220,7 @@ def points(over: Over, sampling: Sampling = "grid") -> pl.DataFrame:
 
     Parameters
     ----------
-    over : mapping or polars.DataFrame
+    over : mapping, polars.DataFrame or pandas.DataFrame
         As in :func:`iva.sweep`.
     sampling : str or Sample, default "grid"
         As in :func:`iva.sweep`.
@@ -321,12 +324,15 @@ def variable(key: str, value: object) -> tuple[str, str, dict[str, float]]:
 
 
 def of_frame(over: object, sampling: Sampling) -> tuple[Any, ...]:
-    """Return the points of a polars frame, each row one."""
+    """Return the points of a frame of polars or pandas, each row one."""
     import polars as pl
 
+    if is_of_pandas(over):
+        over = from_pandas(over)
     if not isinstance(over, pl.DataFrame):
         raise TypeError(
-            f"over = {shown(over)}: give a mapping from field names to values, or a polars frame"
+            f"over = {shown(over)}: give a mapping from field names to values, or a frame of "
+            "polars or pandas"
         )
     if isinstance(sampling, Sample):
         raise ValueError(f"sampling = {shown(sampling)}: a frame has its points, leave it out")

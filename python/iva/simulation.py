@@ -14,7 +14,7 @@ from iva.run_tables import Gradients, RunTables, Verification, differentiated, v
 from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
 from iva.structures import Structure
-from iva.units import Units, from_metadata
+from iva.units import Units, from_metadata, given_in_mm
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     import polars as pl
 
+    from iva.lengths_in_mm import RunInMm
     from iva.parameters import Absorbers, Spec
 
 
@@ -66,6 +67,16 @@ class Run(RunTables):
         if self._verification is None:
             raise AttributeError("no verification: ask for it with verify=True")
         return self._verification
+
+    @property
+    def in_mm(self) -> RunInMm:
+        """Its tables, `trajectory` and `at` with lengths in mm; only where lengths are in metres.
+
+        Columns of the run itself are in SI units however a length was given.
+        """
+        from iva.lengths_in_mm import RunInMm
+
+        return RunInMm(self, self._frames)
 
     @spell_checked
     def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
@@ -175,8 +186,9 @@ class Run(RunTables):
             rule = "a Start has one place for all units of an absorber"
             raise ValueError(f"state_at: {rule}; give them as a list of absorbers")
         begin = self.start.time or 0.0
-        blows = (force for force in listed(self.force) if isinstance(force, Impulse))
-        if at == begin == 0.0 and any((blow.time or 0.0) == 0.0 for blow in blows):
+        blows = (force.time or 0.0 for force in listed(self.force) if isinstance(force, Impulse))
+        shock = self.start.impulse is not None or self.start.impulse_velocity is not None
+        if at == begin == 0.0 and (shock or 0.0 in blows):
             return self.start  # before the impulses of time zero, which act in a run from it
         rows = to_polars(_iva.state(self._spec, at)).rows(named=True)
         if rows[0]["displacement"] is None:
@@ -272,7 +284,13 @@ class Run(RunTables):
         if self.absorber is None:  # nothing to count, and nothing to compare with
             lines = [f"Run: {row['outcome']}"]
             names = tuple(name for name in names if name not in ("reduction", "impacts_per_cycle"))
-        if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
+        in_mm = self.units["summary"] if given_in_mm(self._spec) else {}
+
+        def said(name: str) -> str:
+            metric = in_mm.get(name) == "m"
+            return f"{name} {1000.0 * row[name]:.4g} mm" if metric else f"{name} {row[name]:.4g}"
+
+        if shown := [said(name) for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
         parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
         lines += [f"  {written(part)}" for part in parts]

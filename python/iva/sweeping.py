@@ -16,7 +16,7 @@ from iva.millimetres import warn_of_metres
 from iva.parameters import Absorbers, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read
-from iva.sampling import Sampling, points_of
+from iva.sampling import Over, Sampling, points_of
 from iva.scenes import scene
 from iva.simulation import names, truth
 from iva.spelling import spell_checked
@@ -36,7 +36,7 @@ def sweep(
     absorber: Absorbers | None,
     primary: Primary | Structure,
     *,
-    over: Mapping[str, Any] | pl.DataFrame,
+    over: Over,
     start: Start,
     sampling: Sampling | str = "grid",
     force: Force | Sequence[Force] | None = None,
@@ -68,7 +68,7 @@ def sweep(
     absorber, primary, start, force
         As in :func:`iva.simulate`, `absorber` also a list of several, or ``None``: the structure
         alone. What is swept may be left out.
-    over : mapping of str to sequence of float, or polars.DataFrame
+    over : mapping of str to sequence of float, or a frame of polars or pandas
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
         unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several;
         ``"absorber.1.clearance"`` of one of several absorbers, ``"clearance"`` of all) → values,

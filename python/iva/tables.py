@@ -78,6 +78,31 @@ class Table:
             raise AttributeError(f"no table {name!r}, only {there}: {advice}")
         return self._frames[name]
 
+    @property
+    def in_mm(self) -> Table:
+        """The same tables with lengths in mm; all else is in the units of the table.
+
+        Only where lengths are in metres (SI units).
+
+        Examples
+        --------
+        >>> table = iva.sweep(
+        ...     iva.Siva(mass=0.3, restitution=0.6),
+        ...     iva.Primary(mass=3.0, stiffness=12_000.0),
+        ...     over={"gap_mm": [4.0, 5.0]},
+        ...     start=iva.Start(displacement_mm=4.0),
+        ...     duration=1.0,
+        ...     measures=["stroke"],
+        ... )
+        >>> table.in_mm.summary["stroke"].round(6).to_list()
+        [4.0, 5.0]
+        """
+        if self.units.millimetres:
+            return self
+        from iva.lengths_in_mm import scaled
+
+        return Table(self.swept, self.units.in_mm(), scaled(self._frames, self.units))
+
     def write_mat(self, path: str | PathLike[str]) -> None:
         """Write all tables into a file for MATLAB and Octave; needs SciPy.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from iva import _iva
@@ -19,6 +19,8 @@ class Units:
         Which of the three cases holds.
     swept : tuple of str
         Keys of the swept parameters, columns of the summary as well.
+    millimetres : bool, default False
+        Whether lengths are in mm, where those of `system` would be in m.
 
     Examples
     --------
@@ -30,11 +32,26 @@ class Units:
 
     system: str
     swept: tuple[str, ...] = ()
+    millimetres: bool = False
 
     @property
     def sentence(self) -> str:
         """One sentence that says it all."""
-        return _iva.column_units(self.system, [])[0]
+        said = _iva.column_units(self.system, [])[0]
+        return said.replace(" m,", " lengths in mm,") if self.millimetres else said
+
+    def in_mm(self) -> Units:
+        """Return the same with lengths in mm.
+
+        Raises
+        ------
+        ValueError
+            If lengths are not in metres.
+        """
+        if self.system != "si":
+            rule = "give primary.mass with stiffness or natural_frequency for SI units"
+            raise ValueError(f"in_mm: lengths are in no unit of their own here ({self}); {rule}")
+        return replace(self, millimetres=True)
 
     def __getitem__(self, table: str) -> Mapping[str, str]:
         """Return column → unit of a table; "1" is a plain number, "" is not a number.
@@ -44,11 +61,25 @@ class Units:
         KeyError
             If there is no such table.
         """
-        return MappingProxyType(_iva.column_units(self.system, list(self.swept))[1][table])
+        units = _iva.column_units(self.system, list(self.swept))[1][table]
+        if self.millimetres:
+            units = {name: "mm" if unit == "m" else unit for name, unit in units.items()}
+        return MappingProxyType(units)
 
     def __str__(self) -> str:
         """Return the sentence."""
         return self.sentence
+
+
+def given_in_mm(fields: Iterable[str]) -> bool:
+    """Return whether any length of a scene or of the axes of a sweep was given in mm.
+
+    Examples
+    --------
+    >>> given_in_mm(["absorber.gap_mm", "start.displacement"]), given_in_mm(["clearance"])
+    (True, False)
+    """
+    return any(field.endswith("_mm") for field in fields)
 
 
 def from_metadata(metadata: Mapping[str, str], swept: Iterable[str] = ()) -> Units:

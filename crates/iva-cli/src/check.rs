@@ -26,7 +26,7 @@ use crate::error::Error;
 use crate::layout::wrap;
 use crate::progress::Progress;
 use crate::report::counted;
-use crate::run_study::{size, without_trajectory};
+use crate::run_study::{size, warn, without_trajectory};
 use crate::scene::describe;
 
 /// Number of points run for the estimate; a study of up to twice as many is run whole.
@@ -48,6 +48,7 @@ const TRAJECTORY_SAMPLES: f64 = 1e5;
 /// Anything [`read_study`] and [`StudyFile::validate`] refuse.
 pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let file = read_study(&args.study)?;
+    warn(&file, false);
     let located = |invalid| file.source.locate(&invalid);
     let points = file.study.points().map_err(located)?;
     check_points(&file, points)?;

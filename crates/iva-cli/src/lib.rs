@@ -22,6 +22,7 @@ pub mod report;
 mod run_command;
 mod run_study;
 pub mod scene;
+mod shown;
 mod sweep_command;
 #[cfg(test)]
 mod tests;

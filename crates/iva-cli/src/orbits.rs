@@ -21,6 +21,7 @@ use crate::cell::short;
 use crate::changed_field::ChangedField;
 use crate::error::Error;
 use crate::interrupt;
+use crate::run_study::warn;
 
 /// Significant digits of what is printed; of where a special point is, and of multipliers.
 const DIGITS: usize = 6;
@@ -29,6 +30,7 @@ const ALL_DIGITS: usize = 15;
 /// The scene of a study without a sweep, and its units.
 pub(crate) fn scene(study: &Path) -> Result<(StudyFile, UnitSystem), Error> {
     let file = read_study(study)?;
+    warn(&file, false);
     if !file.study.sampling.is_empty() {
         let study = study.display();
         let rule = format!("{study} has a [sweep] section; give one with a single scene");

@@ -1,5 +1,7 @@
 //! The printed report: the best points of a sweep, or the measures of a single run.
 
+mod neighbourhoods;
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -12,13 +14,17 @@ use iva_sweep::fields::Quantity;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
+use self::neighbourhoods::Neighbourhoods;
 use crate::cell::{aligned, number, short, significant, text};
 use crate::layout::{TextTable, wrap};
 use crate::scene::NOTHING_MOVES;
+use crate::shown::Shown;
 
 /// Advice under a table of several best points.
-const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
-    the start as well (docs/recipes.md).";
+const LUCK: &str = "A single best row is often luck: look at its neighbours (iva.robust in Python), and sweep \
+    restitution and the start as well.";
+/// Most rows of the table of the best neighbourhoods.
+const NEIGHBOURHOODS: usize = 5;
 
 /// Columns shown beside the ranked one in a free decay, where there is room.
 const BESIDE_DECAY: [&str; 4] =
@@ -46,6 +52,7 @@ pub struct BestPoints {
     count: usize,
     beside: Vec<&'static Column>,
     rows: Vec<Row>,
+    near: Option<Neighbourhoods>,
     points: u64,
     idle: u64,
     without_value: u64,
@@ -75,6 +82,7 @@ impl BestPoints {
             count: report.count,
             beside,
             rows: Vec::new(),
+            near: Neighbourhoods::of(&study.sampling, better).filter(|_| !alone),
             points: 0,
             idle: 0,
             without_value: 0,
@@ -93,13 +101,16 @@ impl BestPoints {
                 continue;
             }
             let value = number(summary, self.best_by, index).filter(|value| !value.is_nan());
+            // A whole number below 2^32 is exact.
+            let point = number(summary, "point", index).map_or(0, |point| point as u64);
+            if let Some(near) = &mut self.near {
+                near.set(point, value);
+            }
             self.without_value += u64::from(value.is_none());
             let beside =
                 self.beside.iter().map(|column| number(summary, column.name, index)).collect();
             let impacts = number(summary, "impacts", index);
             self.idle += u64::from(impacts == Some(0.0));
-            // A whole number below 2^32 is exact.
-            let point = number(summary, "point", index).map_or(0, |point| point as u64);
             self.rows.push(Row { point, value, impacts, beside });
         }
         let better = self.better;
@@ -136,11 +147,13 @@ impl BestPoints {
                 self.best_by
             );
             let _ = writeln!(out, "{}\n", wrap(&heading));
-            out.push_str(&self.table(study, units).print());
+            let shown = Shown::of(study, units);
+            out.push_str(&self.table(study, shown).print());
             out.push('\n');
             if self.rows.len() > 1 && study.spec.choices().kind != Kind::None {
                 let _ = writeln!(out, "{}", wrap(LUCK));
             }
+            self.print_neighbourhoods(study, shown, &mut out);
         }
         self.remark_idle(study, &mut out);
         if self.without_value > 0 {
@@ -195,36 +208,66 @@ impl BestPoints {
         let _ = writeln!(out, "{}", wrap(&sentence));
     }
 
-    fn table(&self, study: &Study, units: UnitSystem) -> TextTable {
-        let mut table = TextTable::default();
-        let numbers = self.rows.iter().map(|row| row.point.to_string()).collect();
-        table.push_optional("point", "", numbers);
-        let rows: Vec<Vec<f64>> = self.rows.iter().map(|row| study.swept(row.point)).collect();
-        for (position, swept) in study.sampling.keys().enumerate() {
-            let values: Vec<f64> = rows.iter().map(|values| values[position]).collect();
-            let unit = short_unit(units, swept.slot.info().quantity);
-            table.push(swept.key, unit, aligned(&values, 6));
+    /// Adds the points whose worst neighbour is the best, where the points are a grid.
+    fn print_neighbourhoods(&self, study: &Study, shown: Shown, out: &mut String) {
+        let Some(near) = &self.near else { return };
+        let best = near.best(self.count.min(NEIGHBOURHOODS));
+        if best.len() < 2 {
+            return;
         }
-        let value = |value: Option<f64>, quantity| match value {
-            None => "-".to_owned(),
-            Some(value) if quantity == Quantity::Count => short(value, 15),
-            Some(value) => significant(value, 4),
-        };
-        let quantity = |name: &str| {
-            SUMMARY
-                .iter()
-                .find(|column| column.name == name)
-                .map_or(Quantity::Ratio, |column| column.quantity)
-        };
-        let ranked = quantity(self.best_by);
-        let values = self.rows.iter().map(|row| value(row.value, ranked));
-        table.push(self.best_by, short_unit(units, ranked), values.collect());
+        let heading = format!(
+            "Best {} by the worst {} among a point and those next to it on the axes:",
+            best.len(),
+            self.best_by
+        );
+        let _ = writeln!(out, "\n{}\n", wrap(&heading));
+        let mut table = swept(study, shown, best.iter().map(|(point, _)| *point));
+        let values = best.iter().map(|(_, value)| cell(Some(*value), self.ranked(), shown));
+        let heading = format!("worst {}", self.best_by);
+        table.push(&heading, shown.unit(self.ranked()), values.collect());
+        out.push_str(&table.print());
+        out.push('\n');
+    }
+
+    /// The quantity of the ranked measure.
+    fn ranked(&self) -> Quantity {
+        let column = SUMMARY.iter().find(|column| column.name == self.best_by);
+        column.map_or(Quantity::Ratio, |column| column.quantity)
+    }
+
+    fn table(&self, study: &Study, shown: Shown) -> TextTable {
+        let mut table = swept(study, shown, self.points());
+        let values = self.rows.iter().map(|row| cell(row.value, self.ranked(), shown));
+        table.push(self.best_by, shown.unit(self.ranked()), values.collect());
         for (position, column) in self.beside.iter().enumerate() {
-            let values = self.rows.iter().map(|row| value(row.beside[position], column.quantity));
-            let unit = short_unit(units, column.quantity);
-            table.push_optional(column.name, unit, values.collect());
+            let quantity = column.quantity;
+            let values = self.rows.iter().map(|row| cell(row.beside[position], quantity, shown));
+            table.push_optional(column.name, shown.unit(quantity), values.collect());
         }
         table
+    }
+}
+
+/// A table of points with their swept values.
+fn swept(study: &Study, shown: Shown, points: impl Iterator<Item = u64>) -> TextTable {
+    let mut table = TextTable::default();
+    let points: Vec<u64> = points.collect();
+    table.push_optional("point", "", points.iter().map(u64::to_string).collect());
+    let rows: Vec<Vec<f64>> = points.iter().map(|point| study.swept(*point)).collect();
+    for (position, swept) in study.sampling.keys().enumerate() {
+        let values: Vec<f64> = rows.iter().map(|values| values[position]).collect();
+        let unit = shown.unit_of_axis(swept.slot.info().quantity);
+        table.push(swept.key, unit, aligned(&values, 6));
+    }
+    table
+}
+
+/// A value of a measure as it is printed.
+fn cell(value: Option<f64>, quantity: Quantity, shown: Shown) -> String {
+    match value {
+        None => "-".to_owned(),
+        Some(value) if quantity == Quantity::Count => short(value, 15),
+        Some(value) => significant(shown.value(quantity, value), 4),
     }
 }
 
@@ -243,6 +286,7 @@ fn why_none(measure: &str) -> &'static str {
 
 /// The measures of a single run, one a line, then the names of those without a value.
 pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> String {
+    let shown = Shown::of(study, units);
     let mut out = String::new();
     let mut undefined = Vec::new();
     for column in SUMMARY {
@@ -251,14 +295,14 @@ pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> Str
         }
         let value = match (number(summary, column.name, 0), text(summary, column.name, 0)) {
             (Some(value), _) if column.quantity == Quantity::Count => short(value, 15),
-            (Some(value), _) => significant(value, 6),
+            (Some(value), _) => significant(shown.value(column.quantity, value), 6),
             (None, Some(text)) => text.to_owned(),
             (None, None) => {
                 undefined.push(column.name);
                 continue;
             }
         };
-        let unit = short_unit(units, column.quantity);
+        let unit = shown.unit(column.quantity);
         let line = format!("{:22}{value:>14}  {unit}", column.name);
         let _ = writeln!(out, "{}", line.trim_end());
     }
@@ -268,15 +312,6 @@ pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> Str
     }
     let _ = writeln!(out, "\n{}", wrap(&format!("{}.", first_upper(units.sentence()))));
     out
-}
-
-/// The unit of a quantity, or nothing if it is 1 or too long for a column.
-fn short_unit(units: UnitSystem, quantity: Quantity) -> &'static str {
-    match units.unit(quantity) {
-        "1" => "",
-        unit if unit.chars().count() <= 8 => unit,
-        _ => "",
-    }
 }
 
 /// A count with its noun in the singular or plural: `1 point`, `2 points`.

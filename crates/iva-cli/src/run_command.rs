@@ -26,7 +26,7 @@ use crate::interrupt;
 use crate::log::Log;
 use crate::progress::Progress;
 use crate::report::print_run;
-use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
+use crate::run_study::{choose_tables, folder, log_start, print_written, warn, without_trajectory};
 use crate::verified::{print_verified, write_errors};
 
 /// Runs a study without a sweep, or one point of a sweep; returns the text to print.
@@ -44,6 +44,7 @@ pub(crate) fn run_command(args: &RunPointArgs) -> Result<String, Error> {
 fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     let RunPointArgs { point, verify: verified, run: args } = all;
     let mut file = read_study(&args.study)?;
+    warn(&file, args.quiet);
     if let Some(point) = *point {
         single_out(&mut file, point)?;
     } else if !file.study.sampling.is_empty() {

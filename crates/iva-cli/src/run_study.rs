@@ -1,15 +1,18 @@
 //! Common parts of `iva sweep` and `iva run`: study, output folder, and the list of written files.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use iva_store::manifest::Total;
 use iva_study::study_file::{NO_TRAJECTORY, StudyFile, read_study};
+use iva_sweep::doubts::doubts;
 use iva_sweep::study::{Study, Table};
 use serde_json::json;
 
 use crate::args::RunArgs;
 use crate::error::Error;
+use crate::layout::wrap;
 use crate::log::Log;
 use crate::report::counted;
 
@@ -20,7 +23,19 @@ use crate::report::counted;
 pub(crate) fn load(args: &RunArgs) -> Result<StudyFile, Error> {
     let mut file = read_study(&args.study)?;
     choose_tables(&mut file, args)?;
+    warn(&file, args.quiet);
     Ok(file)
+}
+
+/// Says on standard error what a study has that was hardly meant.
+pub(crate) fn warn(file: &StudyFile, quiet: bool) {
+    if quiet {
+        return;
+    }
+    for doubt in doubts(&file.study.spec, &file.study.sampling) {
+        // If standard error is closed there is nobody left to tell.
+        let _ = writeln!(anstream::stderr(), "{}", wrap(&format!("warning: {doubt}")));
+    }
 }
 
 /// Replaces `run.tables` of the study by `--tables`, if that is given.

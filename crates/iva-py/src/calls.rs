@@ -20,7 +20,7 @@ use iva_sweep::sweep::{self as engine, SweepError};
 use iva_sweep::units::UnitSystem;
 use iva_sweep::verify as second;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arguments;
 use crate::arrow_table::ArrowTable;
@@ -141,6 +141,17 @@ pub fn design<'py>(
     });
     numbers.set_item("pendulum", pendulum.transpose()?)?;
     Ok(numbers)
+}
+
+/// What a scene, swept or not, has that was hardly meant, a sentence each.
+#[pyfunction]
+#[pyo3(signature = (spec, sampling = None))]
+pub fn doubts(
+    spec: &Bound<'_, PyDict>,
+    sampling: Option<&Bound<'_, PyTuple>>,
+) -> PyResult<Vec<String>> {
+    let points = sampling.map(arguments::sampling).transpose()?.unwrap_or_default();
+    Ok(iva_sweep::doubts::doubts(&arguments::spec(spec)?, &points))
 }
 
 /// Sentence and table → column → unit in one of the unit systems, with the swept keys.

@@ -35,9 +35,9 @@ mod _iva {
     use super::branches::{curve, follow, orbit_at, switch};
     #[pymodule_export]
     use super::calls::{
-        check, check_choices, check_restitution_table, column_units, design, fields, gradients,
-        larger_is_better, main, modes, primary_units, simulate, state, states, trajectory,
-        unit_system, verify,
+        check, check_choices, check_restitution_table, column_units, design, doubts, fields,
+        gradients, larger_is_better, main, modes, primary_units, simulate, state, states,
+        trajectory, unit_system, verify,
     };
     #[pymodule_export]
     use super::dynamics::orbit;

@@ -296,6 +296,8 @@ fields! {
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
+    StartImpulse: Start "impulse" Impulse Size "impulse" "shock: impulse on the primary at time zero (default 0); needs a mass";
+    StartImpulseVelocity: Start "impulse_velocity" Velocity Size "impulse" "the same over the mass of the primary";
     GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement (default 0; on an inclined line of motion the lower stop)" Siva Piva;
     GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity" Siva Piva;
     Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;

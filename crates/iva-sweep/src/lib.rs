@@ -22,6 +22,8 @@ pub mod columns;
 pub mod cube;
 pub mod done;
 #[cfg(feature = "sweeps")]
+pub mod doubts;
+#[cfg(feature = "sweeps")]
 pub mod dynamics;
 pub mod engine;
 pub mod fields;

@@ -197,12 +197,25 @@ impl Sampling {
         self.keys().next().is_none()
     }
 
+    /// The axes of a grid or of rows, none of a sample.
+    pub fn axes(&self) -> &[Axis] {
+        match self {
+            Sampling::Grid(axes) | Sampling::Rows(Rows { axes, .. }) => axes,
+            Sampling::Sample(_) => &[],
+        }
+    }
+
+    /// The variables of a sample.
+    pub fn variables(&self) -> &[Variable] {
+        match self {
+            Sampling::Sample(sample) => &sample.variables,
+            Sampling::Grid(_) | Sampling::Rows(_) => &[],
+        }
+    }
+
     /// The swept quantities, in the order of the columns of the summary.
     pub fn keys(&self) -> impl Iterator<Item = Swept<'_>> {
-        let (axes, variables): (&[Axis], &[Variable]) = match self {
-            Sampling::Grid(axes) | Sampling::Rows(Rows { axes, .. }) => (axes, &[]),
-            Sampling::Sample(sample) => (&[], &sample.variables),
-        };
+        let (axes, variables) = (self.axes(), self.variables());
         axes.iter().map(Swept::from).chain(variables.iter().map(Swept::from))
     }
 

@@ -46,7 +46,7 @@ pub struct Watched {
 }
 
 /// What a scene that [`takes`] refuses is to be told.
-pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a dashpot nor tolerance";
+pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a dashpot, an impulse nor tolerance";
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {

@@ -8,12 +8,14 @@ use iva_sweep::units::UnitSystem;
 use crate::json::{self, list, object, text};
 
 /// Fields of scenes that are not simulated here.
-const ELSEWHERE: [FieldId; 5] = [
+const ELSEWHERE: [FieldId; 7] = [
     FieldId::Units,
     FieldId::ClearanceSpread,
     FieldId::Friction,
     FieldId::GapDamping,
     FieldId::GapDampingRatio,
+    FieldId::StartImpulse,
+    FieldId::StartImpulseVelocity,
 ];
 
 /// All fields, choices and measures.

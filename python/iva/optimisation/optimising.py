@@ -22,7 +22,7 @@ from iva.optimisation.problem import Problem, Variant, goals_of, limits_of, wors
 from iva.optimisation.stages import judged
 from iva.parameters import Absorber, Primary, Start, shown
 from iva.progress import Progress, reporting
-from iva.sampling import whole
+from iva.sampling import Over, whole
 from iva.scenes import scene
 from iva.simulation import truth
 from iva.spelling import spell_checked
@@ -47,7 +47,7 @@ def optimise(
     choose: Mapping[str, Any] | Sequence[Mapping[str, Any]],
     minimise: str | Sequence[str] | None = None,
     maximise: str | Sequence[str] | None = None,
-    over: Mapping[str, Any] | pl.DataFrame | None = None,
+    over: Over | None = None,
     off: Mapping[str, Any] | None = None,
     quantile: float | None = None,
     mean: bool = False,
@@ -88,7 +88,7 @@ def optimise(
     minimise, maximise : str or sequence of str
         A column of the summary (its name with ``_mm`` for lengths in millimetres), or a chosen
         field. Several give a front of designs that no other beats.
-    over : mapping of str to distribution, or polars.DataFrame, optional
+    over : mapping of str to distribution, or a frame of polars or pandas, optional
         What is not known exactly: field name → distribution of :mod:`iva.sampling`, or a list of
         equally likely values. Of a frame each row is an equally likely case, so that columns may
         depend on each other.

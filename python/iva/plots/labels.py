@@ -89,6 +89,8 @@ NAMES = {
     "displacement": ("start displacement", "x₀"),
     "displacement_mm": ("start displacement", "x₀"),
     "velocity": ("start velocity", "ẋ₀"),
+    "impulse": ("impulse of the shock", "P"),
+    "impulse_velocity": ("impulse over mass", "P/M"),
     "gap_displacement": ("start gap displacement", "y₀"),
     "gap_velocity": ("start gap velocity", "w₀"),
     "angle": ("start angle", "θ₀"),

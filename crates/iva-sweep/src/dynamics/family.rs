@@ -131,6 +131,11 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of an absorber without dashpot; leave it out";
         return Err(Invalid::new(path, number(value), rule));
     }
+    let shocks = [FieldId::StartImpulse, FieldId::StartImpulseVelocity];
+    if let Some((field, value)) = shocks.iter().find_map(|it| Some((it, spec.get(*it)?))) {
+        let rule = "an orbit has no shock at its start; leave it out";
+        return Err(Invalid::new(field.path(), number(value), rule));
+    }
     if spec.structure().is_some() {
         let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
         return Err(Invalid::new("structure", "several modes", rule));

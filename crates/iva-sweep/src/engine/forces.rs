@@ -33,10 +33,11 @@ pub(crate) fn force<R: Real>(
     units: UnitSystem,
 ) -> Result<Force<R>, Invalid> {
     let forces = given.spec.forces();
-    if forces.is_empty() {
+    let mut impulses = Vec::from_iter(shock(given, scale, units)?);
+    if forces.is_empty() && impulses.is_empty() {
         return Ok(Force::default());
     }
-    let (mut harmonics, mut records, mut impulses) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut harmonics, mut records) = (Vec::new(), Vec::new());
     for (number, spec) in forces.iter().enumerate() {
         let reader = Reader { given, spec, number, count: forces.len(), scale, units };
         reader.check_nature()?;
@@ -47,6 +48,55 @@ pub(crate) fn force<R: Real>(
         }
     }
     Force::new(harmonics, records, &impulses)
+}
+
+/// The impulse of the start, which acts at time zero.
+///
+/// # Errors
+/// [`Invalid`] if it is given twice, needs a mass, or the run begins later.
+fn shock<R: Real>(
+    given: &Given<'_, R>,
+    scale: &Scale<R>,
+    units: UnitSystem,
+) -> Result<Option<Impulse<R>>, Invalid> {
+    let fields = [FieldId::StartImpulseVelocity, FieldId::StartImpulse];
+    given.at_most_one(&fields)?;
+    let [velocity, impulse] = fields.map(|field| given.get(field));
+    let Some(value) = velocity.or(impulse) else { return Ok(None) };
+    let field = if velocity.is_some() { fields[0] } else { fields[1] };
+    if given.get(FieldId::StartTime).is_some_and(|time| time > 0.0) {
+        let rule = "it acts at time zero, and the run begins later; give an impulse as a force, with its time";
+        return Err(Invalid::new(field.path(), number(value), rule));
+    }
+    let velocity = match impulse {
+        Some(impulse) => per_mass(
+            &field.path(),
+            impulse,
+            "impulse_velocity (impulse over mass)",
+            (scale, units),
+        )?,
+        None => value,
+    };
+    Ok(Some(Impulse { velocity: velocity / scale.natural_frequency, time: R::ZERO }))
+}
+
+/// Divides by the primary mass: a force in N gives f/M, an impulse in N s gives P/M.
+///
+/// # Errors
+/// [`Invalid`] where no mass is given, with the alternative.
+fn per_mass<R: Real>(
+    name: &str,
+    value: R,
+    alternative: &str,
+    (scale, units): (&Scale<R>, UnitSystem),
+) -> Result<R, Invalid> {
+    if units == UnitSystem::Si {
+        return Ok(value / scale.mass);
+    }
+    let rule = format!(
+        "give primary.mass with stiffness or natural_frequency as well, or give {alternative}"
+    );
+    Err(Invalid::new(name, number(value), rule))
 }
 
 impl<R: Real> Reader<'_, R> {
@@ -90,15 +140,8 @@ impl<R: Real> Reader<'_, R> {
         }
     }
 
-    /// Divides by the primary mass: a force in N gives f/M, an impulse in N s gives P/M.
     fn per_mass(&self, name: &str, value: R, alternative: &str) -> Result<R, Invalid> {
-        if self.units == UnitSystem::Si {
-            return Ok(value / self.scale.mass);
-        }
-        let rule = format!(
-            "give primary.mass with stiffness or natural_frequency as well, or give {alternative}"
-        );
-        Err(Invalid::new(name, number(value), rule))
+        per_mass(name, value, alternative, (self.scale, self.units))
     }
 
     fn stiffness(&self) -> R {

@@ -158,7 +158,9 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             FieldId::Amplitude => {
                 "on a structure with several modes give force (N) or base_acceleration"
             }
-            FieldId::ImpulseVelocity => "on a structure with several modes give impulse (N s)",
+            FieldId::ImpulseVelocity | FieldId::StartImpulseVelocity => {
+                "on a structure with several modes give impulse (N s)"
+            }
             _ => continue,
         };
         return Err(Invalid::new(slot.path(), number(value), rule));

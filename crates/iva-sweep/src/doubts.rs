@@ -1,0 +1,143 @@
+//! What a scene has that was hardly meant: lengths in metres where millimetres were thought of.
+
+use crate::cube::Distribution;
+use crate::engine::given::Given;
+use crate::error::number;
+use crate::fields::{FieldId, Part, Quantity};
+use crate::sampling::Sampling;
+use crate::slot::Slot;
+use crate::spec::Spec;
+use crate::units::UnitSystem;
+
+/// Fields that say how wide the gap is.
+const GAP: [FieldId; 4] = [FieldId::Clearance, FieldId::Gap, FieldId::ClearanceMm, FieldId::GapMm];
+/// Fields that say how far the structure is displaced at the start.
+const START: [FieldId; 2] = [FieldId::Displacement, FieldId::DisplacementMm];
+/// From how many times the other a length is a slip: with a start of 4 mm, 2 m for 2 mm.
+const LEAST: f64 = 500.0;
+/// And up to how many times: a gap that is wider still is one without stops, on purpose.
+const MOST: f64 = 1e5;
+/// The least length in m that can be such a slip: fewer tenths of a millimetre are seldom given.
+const SHORTEST: f64 = 0.1;
+/// A structure that is let go and passes its rest faster than this, in m/s, has no start in metres.
+const FASTEST: f64 = 100.0;
+
+/// A length of a scene as it was given, or the middle of an axis over it.
+struct Length {
+    slot: Slot,
+    value: f64,
+    is_swept: bool,
+}
+
+impl Length {
+    fn is_metric(&self) -> bool {
+        self.slot.info().quantity == Quantity::Length
+    }
+
+    fn metres(&self) -> f64 {
+        if self.is_metric() { self.value.abs() } else { self.value.abs() / 1000.0 }
+    }
+
+    /// Field, value and unit.
+    fn told(&self) -> String {
+        let value = number(rounded(self.value));
+        let unit = if self.is_metric() { "m" } else { "mm" };
+        match self.is_swept {
+            true => {
+                let name = self.slot.info().name;
+                format!("sweep.{name} = {value} {unit} (the middle of the axis)")
+            }
+            false => format!("{} = {value} {unit}", self.slot.path()),
+        }
+    }
+}
+
+/// A number to six digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// One sentence for each length of a scene in SI units that seems to be meant in millimetres: a gap and a start that
+/// differ as metres and millimetres do, or a start from which the structure would be faster than any machine.
+pub fn doubts(spec: &Spec, sampling: &Sampling) -> Vec<String> {
+    let swept = |field: FieldId| sampling.keys().any(|key| key.slot.field == field);
+    let has_mass = spec.structure().is_some()
+        || spec.get(FieldId::PrimaryMass).is_some()
+        || swept(FieldId::PrimaryMass);
+    // A start that goes on from another run, which has a reference, is as small as that run left it.
+    if !has_mass || spec.get(FieldId::Reference).is_some() {
+        return Vec::new();
+    }
+    let Some(start) = length(&START, 0, spec, sampling) else { return Vec::new() };
+    let mut gaps = (0..spec.count()).filter_map(|k| length(&GAP, k, spec, sampling));
+    let unlike = gaps.find_map(|gap| unlike(&gap, &start));
+    let given = if spec.structure().is_some() { "a structure" } else { "the primary mass" };
+    let told = |(large, doubt): (&Length, String)| {
+        let name = large.slot.info().name;
+        format!(
+            "{} {doubt}: lengths are in metres where {given} is given; where millimetres are meant, give {name}_mm",
+            large.told()
+        )
+    };
+    match unlike {
+        Some((large, doubt)) => vec![told((&large.unwrap_or(start), doubt))],
+        None => too_fast(&start, spec).map(|doubt| told((&start, doubt))).into_iter().collect(),
+    }
+}
+
+/// The larger of gap and start, `None` for the start, and how it compares with the other, if that is a slip.
+fn unlike(gap: &Length, start: &Length) -> Option<(Option<Length>, String)> {
+    let gap_is_large = gap.metres() > start.metres();
+    let (large, small) = if gap_is_large { (gap, start) } else { (start, gap) };
+    let possible = large.is_metric() && large.metres() >= SHORTEST && small.metres() > 0.0;
+    let times = large.metres() / small.metres();
+    (possible && (LEAST..=MOST).contains(&times)).then(|| {
+        let large = Length { slot: gap.slot, value: gap.value, is_swept: gap.is_swept };
+        (gap_is_large.then_some(large), format!("is {times:.0} times {}", small.told()))
+    })
+}
+
+/// How fast a structure passes its rest that is let go from a start in metres, if that is no speed of a machine.
+fn too_fast(start: &Length, spec: &Spec) -> Option<String> {
+    if !start.is_metric() || start.metres() < SHORTEST {
+        return None;
+    }
+    let (scale, units) = Given::<f64>::new(spec).scale().ok()?;
+    let speed = start.metres() * scale.natural_frequency;
+    (units == UnitSystem::Si && speed > FASTEST)
+        .then(|| format!("swings through its rest with {speed:.0} m/s"))
+}
+
+/// The length that one of some fields gives, of the absorber of this number or of the start. An axis replaces all of
+/// them.
+fn length(fields: &[FieldId], absorber: usize, spec: &Spec, sampling: &Sampling) -> Option<Length> {
+    let first = fields.first()?;
+    let slot = spec.slot(*first, absorber);
+    if let Some((swept, value)) = middles(sampling).find(|(swept, _)| swept.same_quantity(slot)) {
+        let known = fields.contains(&swept.field);
+        return known.then_some(Length { slot: swept, value, is_swept: true });
+    }
+    let value = |field: &FieldId| Some((*field, spec.get_of(absorber, *field)?));
+    let (field, value) = fields.iter().find_map(value)?;
+    Some(Length { slot: spec.slot(field, absorber), value, is_swept: false })
+}
+
+/// What is swept, each with the median of its values by their size, or the middle of its distribution.
+fn middles(sampling: &Sampling) -> impl Iterator<Item = (Slot, f64)> + '_ {
+    let wanted = |slot: Slot| matches!(slot.info().part, Part::Absorber | Part::Start);
+    let axes = sampling.axes().iter().filter(move |axis| wanted(axis.slot));
+    let axes = axes.filter_map(|axis| {
+        let mut values = axis.values.clone();
+        values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        Some((axis.slot, *values.get(values.len() / 2)?))
+    });
+    let variables = sampling.variables().iter().map(|variable| {
+        let middle = match variable.distribution {
+            Distribution::Uniform { low, high } => (low + high) / 2.0,
+            Distribution::Normal { mean, .. } => mean,
+            Distribution::LogNormal { median, .. } => median,
+        };
+        (variable.slot, middle)
+    });
+    axes.chain(variables)
+}
