@@ -44,7 +44,7 @@ PICTURE = re.compile(r"!\[[^\]]*\]\((?P<file>[^)]+)\)")
 #: Where the build puts what it makes, seen from a page.
 MADE = "_made/"
 #: Measured records that pages read: a name in the folder of the page → its file.
-RECORDS = {"decay.csv": "tests/data/identification/public_1_acceleration.csv"}
+RECORDS = {"decay.csv": "studies/decay.csv"}
 
 
 @dataclass(frozen=True)

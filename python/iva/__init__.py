@@ -23,7 +23,7 @@ Examples
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from iva import dynamics, sampling, theory
+    from iva import dynamics, examples, sampling, theory
     from iva import paper as paper
     from iva import plots as plots
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
@@ -69,6 +69,7 @@ __all__ = [
     "__version__",
     "best",
     "dynamics",
+    "examples",
     "explore",
     "identify",
     "optimise",
@@ -109,6 +110,7 @@ _HOMES = {
     "__version__": "_iva",
     "best": "choosing",
     "dynamics": "dynamics",
+    "examples": "examples",
     "explore": "explorer",
     "identify": "identification",
     "optimise": "optimisation",

@@ -1,4 +1,4 @@
-"""Results with their lengths in millimetres: the same tables, times a thousand where metres stand."""
+"""Results with lengths in millimetres: the same tables, times a thousand where metres stand."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ from iva.tables import Table
 from iva.units import from_metadata
 
 if TYPE_CHECKING:
-    import polars as pl
+    pass
 
 #: Default of `memory_limit` in bytes.
 MEMORY_LIMIT = 4e9

@@ -1,6 +1,7 @@
 """``iva identify``: what it reads, writes and refuses.
 
-The record is tests/data/identification/public_1_acceleration.csv, whose JSON file has its truth.
+The record is studies/decay.csv; its truth is in public_1_acceleration.json of
+tests/data/identification.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ from iva.sampling import Normal
 pytest.importorskip("dynesty")
 from iva.identification.command import main
 
-DATA = Path(__file__).parents[1] / "data" / "identification"
-RECORD = DATA / "public_1_acceleration.csv"
+TESTS = Path(__file__).parents[1]
+RECORD = TESTS.parent / "studies" / "decay.csv"
+TRUTH = TESTS / "data" / "identification" / "public_1_acceleration.json"
 
 
 def test_a_record_becomes_a_study_and_a_report(
@@ -36,7 +38,7 @@ def test_a_record_becomes_a_study_and_a_report(
     assert main(asked) == 0
     said = capfd.readouterr().out
     assert "release_s 0 (0 … 0), given" in said
-    truth = json.loads(RECORD.with_suffix(".json").read_text())["truth"]
+    truth = json.loads(TRUTH.read_text())["truth"]
     found = pl.read_csv(out / "parameters.csv")
     values = dict(found.select("parameter", "value").iter_rows())
     for name in ("frequency_hz", "mass_ratio", "restitution", "gap_mm"):

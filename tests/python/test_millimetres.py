@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import iva
+from iva import _iva
 from iva.sampling import LogNormal, Normal, Sobol, Uniform
 
 METRIC = iva.Primary(mass=3.0, stiffness=12_000.0)
@@ -66,6 +68,40 @@ def test_a_start_in_metres() -> None:
     assert said.startswith("start.displacement = 4 m is 667 times absorber.gap_mm = 6 mm: ")
 
 
+def test_a_start_from_which_no_structure_swings() -> None:
+    # 4 m at 63.2 rad/s pass their rest with 253 m/s.
+    assert run(None, {"displacement": 4.0}) == [
+        "start.displacement = 4 m swings through its rest with 253 m/s: lengths are in metres "
+        "where the primary mass is given; where millimetres are meant, give displacement_mm"
+    ]
+    assert len(run(siva(clearance=2.5), {"displacement": -4.0})) == 1, "both in the wrong unit"
+    assert run(None, {"displacement": 4.0}, iva.Primary(mass=3e5, frequency_hz=0.3)) == []
+
+
+def test_each_absorber_of_a_list() -> None:
+    pair = [siva(gap=0.004), siva(gap=4.0)]
+    (said,) = told(iva.simulate, pair, METRIC, start=iva.Start(displacement=0.004), duration=0.1)
+    assert said.startswith("absorber.1.gap = 4 m is 1000 times start.displacement = 0.004 m: ")
+
+
+def test_the_command_says_the_same(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(
+        "version = 1\n[primary]\nmass = 3.0\nstiffness = 12_000.0\n[absorber]\n"
+        'kind = "siva"\nmass = 0.3\nrestitution = 0.5\n[start]\ndisplacement = 0.004\n'
+        "[run]\nduration = 0.1\n[sweep]\ngap = [4.0, 5.0, 6.0]\n",
+        encoding="utf-8",
+    )
+    (asked,) = swept({"gap": [4.0, 5.0, 6.0]})
+    for command in ("check", "sweep"):
+        out = [] if command == "check" else ["--out", str(tmp_path / "out")]
+        assert _iva.main(["iva", command, str(study), *out]) == 0
+        assert f"warning: {asked}" in capfd.readouterr().err.replace("\n", " ")
+    quiet = ["--out", str(tmp_path / "quiet"), "--quiet"]
+    assert _iva.main(["iva", "sweep", str(study), *quiet]) == 0
+    assert capfd.readouterr().err == ""
+
+
 # absorber, start
 MEANT: list[tuple[iva.Siva | None, dict[str, float]]] = [
     (siva(gap=0.004), {"displacement": 0.004}),
@@ -79,7 +115,8 @@ MEANT: list[tuple[iva.Siva | None, dict[str, float]]] = [
     (siva(relative_clearance=900.0), {"displacement": 0.004}),
     # On from another run, late in its decay.
     (siva(clearance=3.0), {"displacement": 0.001, "reference": 2.0, "time": 12.0}),
-    (None, {"displacement": 4.0}),
+    (None, {"displacement": 0.5}),
+    (None, {"displacement_mm": 4000.0}),
 ]
 
 

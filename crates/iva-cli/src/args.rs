@@ -132,9 +132,23 @@ pub enum Command {
     /// iva-dynamics
     #[command(disable_help_flag = true)]
     Explore(PythonArgs),
-    /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[plots]'
+    /// Copy the studies that come with the program into a folder, with the records that they read
+    #[command(
+        after_help = "Example:\n\n  iva examples\n  iva sweep studies/siva_clearance.toml\n\n\
+                            A file that is there already is never replaced."
+    )]
+    Examples(ExamplesArgs),
+    /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[paper]'
     #[command(disable_help_flag = true)]
     Reproduce(PythonArgs),
+}
+
+/// Arguments of `iva examples`.
+#[derive(Debug, Args)]
+pub struct ExamplesArgs {
+    /// The folder, which is made if it is not there
+    #[arg(value_name = "DIR", default_value = "studies")]
+    pub folder: PathBuf,
 }
 
 /// Arguments of `iva sweep`.

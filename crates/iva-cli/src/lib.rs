@@ -13,6 +13,7 @@ mod changed_field;
 mod check;
 mod diagrams;
 pub mod error;
+mod examples;
 mod interrupt;
 mod layout;
 mod log;
@@ -49,7 +50,7 @@ pub const EXIT_BAD_INPUT: i32 = 2;
 pub const EXIT_INTERRUPTED: i32 = 130;
 
 /// Message of `iva reproduce` in the native binary, which has no Python.
-const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[plots]', then run iva \
+const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[paper]', then run iva \
                         reproduce from there";
 
 /// Message of `iva explore` in the native binary, which has no page.
@@ -101,6 +102,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         | Command::Optimise(_)
         | Command::Identify(_)
         | Command::Explore(_)
+        | Command::Examples(_)
         | Command::Reproduce(_) => false,
     };
     let result = run_command_line(&cli.command);
@@ -125,6 +127,7 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
         Command::Branch(args) => orbits::branch_command(args),
         Command::Diagram(args) => diagrams::diagram_command(args),
         Command::Basins(args) => diagrams::basins_command(args),
+        Command::Examples(args) => examples::examples_command(args),
         // The console script of the Python package handles these commands before it calls this function.
         Command::Optimise(_) => Err(Error::Refused(NO_SEARCH.to_owned())),
         Command::Identify(_) => Err(Error::Refused(NO_SAMPLER.to_owned())),

@@ -6,14 +6,14 @@ use std::sync::atomic::Ordering;
 
 use arrow_array::RecordBatch;
 use iva_store::table_file::{self, Contents, first_damaged};
-use iva_study::StudyFile;
+use iva_study::{StudyFile, examples};
 use iva_sweep::identity::Identity;
 use iva_sweep::study::Table;
 use iva_sweep::tables::schema;
 use pyo3::prelude::*;
 
 use crate::arrow_table::ArrowTable;
-use crate::errors::{IvaError, unreadable, unreadable_study};
+use crate::errors::{IvaError, refused, unreadable, unreadable_study};
 use crate::worker;
 
 /// The metadata of a Parquet or Arrow file.
@@ -28,6 +28,18 @@ pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<ArrowTable> {
     let read = worker::run_any(py, None, move |_| table_file::read_table(&path))?;
     let (schema, batches) = read.map_err(unreadable)?;
     Ok(ArrowTable::new(schema, batches))
+}
+
+/// Copies the studies that come with the package into a folder; returns the files that were written.
+#[pyfunction]
+pub fn copy_examples(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+    py.detach(|| examples::copy_into(&folder)).map_err(refused)
+}
+
+/// Names of the studies that come with the package, and of the records that they read.
+#[pyfunction]
+pub fn example_names() -> Vec<&'static str> {
+    examples::FILES.iter().map(|(name, _)| *name).collect()
 }
 
 /// Checks that files have the bytes that were written, each by its size and SHA-256; raises IvaError

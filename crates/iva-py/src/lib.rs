@@ -46,7 +46,9 @@ mod _iva {
     #[pymodule_export]
     use super::explored::scene_of_study;
     #[pymodule_export]
-    use super::files::{check_files, empty_tables, metadata, read_table, visible};
+    use super::files::{
+        check_files, copy_examples, empty_tables, example_names, metadata, read_table, visible,
+    };
     #[pymodule_export]
     use super::folder::{PySweepFolder, sweep_into};
     #[pymodule_export]

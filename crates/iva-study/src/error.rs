@@ -73,6 +73,12 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// A file with other contents stands where an example would be written.
+    #[error("{} is there and has other contents; give another folder, or move it away", .path.display())]
+    OtherContents {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder cannot take a result, or a file of a result cannot be read or written.
     #[error(transparent)]
     Store(#[from] iva_store::Error),
@@ -106,7 +112,8 @@ impl Error {
             | Error::LargeStudy { .. }
             | Error::NotText { .. }
             | Error::LargeResolved { .. }
-            | Error::LargeRecord { .. } => true,
+            | Error::LargeRecord { .. }
+            | Error::OtherContents { .. } => true,
         }
     }
 

@@ -4,7 +4,7 @@
 //! (`value`, `axes`, [`sampling`], `forces`, `structure` and [`record_file`] read its sections, [`source`] keeps the
 //! places of keys, [`report`] holds the settings of the table of best points) → `named` gives file names to points
 //! and records made in a program, [`resolved`] writes the study with every default filled in → [`run_sweep`]
-//! runs it part by part into a folder of [`iva_store`]; `changes` lists differences from the study in a folder.
+//! runs it part by part into a folder of [`iva_store`]; `changes` lists differences from the study in a folder. [`examples`] are the studies that come with the program.
 //!
 //! Nothing is printed and no signal is handled here: the caller of a sweep passes a [`run_sweep::Watch`], which
 //! receives the progress, and a flag that cancels it.
@@ -13,6 +13,7 @@ mod absorbers;
 mod axes;
 mod changes;
 pub mod error;
+pub mod examples;
 mod forces;
 mod named;
 pub mod record_file;

@@ -29,8 +29,6 @@ from iva.spelling import spell_checked
 from iva.structures import Structure
 
 if TYPE_CHECKING:
-    import polars as pl
-
     from iva.parameters import Spec
 
 #: Runs that a search may spend unless told otherwise, and the range.
