@@ -76,7 +76,7 @@ def test_a_table() -> None:
     assert told.summary["gap_mm"].equals(table.summary["gap_mm"])
     assert told.units["summary"]["displacement"] == "mm"
     assert checked(told.summary, table.summary, table.units, "summary") > 1
-    assert checked(told.impacts, table.impacts, table.units, "impacts") > 1
+    assert checked(told.impacts, table.impacts, table.units, "impacts") > 0
     assert told.in_mm is told
     assert pickle.loads(pickle.dumps(told)) == told
     assert copy.copy(told).units.millimetres
