@@ -178,7 +178,7 @@ class Recorded:
         ----------
         path : path-like
             Two columns (time and value), or ``dt = …`` and values, or a PEER AT2 file, which is
-            converted from g to m/s². docs/study-file.md describes the formats.
+            converted from g to m/s². The page on the study file describes the formats.
         kind : {"force", "force_newtons", "base_acceleration"}, optional
             What the values are; of an AT2 file ``"base_acceleration"``, else ``"force"``.
         scale : float, default 1

@@ -111,9 +111,8 @@ def scan(folder: str | os.PathLike[str], *, check: bool = False) -> Scan:
     Examples
     --------
     >>> found = iva.scan("results/siva_clearance")  # doctest: +SKIP
-    >>> found.summary.filter(pl.col("mass_ratio") < 0.1).select("point", "settling_time_5").collect(
-    ...     engine="streaming"
-    ... )  # doctest: +SKIP
+    >>> light = found.summary.filter(pl.col("mass_ratio") < 0.1)  # doctest: +SKIP
+    >>> light.select("point", "settling_time_5").collect(engine="streaming")  # doctest: +SKIP
     """
     found = found_in(folder, check=check)
     _iva.check_files([sum_ for sums in found.sums.values() for sum_ in sums])

@@ -124,7 +124,8 @@ def regimes(
     >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
     >>> primary = iva.Primary(damping_ratio=0.05)
     >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
-    >>> [(one.kind, one.name, one.share) for one in regimes(siva, primary, force=force, starts=20)]
+    >>> found = regimes(siva, primary, force=force, starts=20)
+    >>> [(one.kind, one.name, one.share) for one in found]
     [('periodic', '2:1', 1.0)]
     """
     found = attractors(
