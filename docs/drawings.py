@@ -13,6 +13,7 @@ from matplotlib.patches import Arc, Circle, Rectangle
 from numpy.typing import NDArray
 
 import iva
+from iva.plots.styles import ABSORBER, STRUCTURE, WALLS
 
 INK, STEEL, MASS, FORCE = "#222222", "#d5dae1", "#e8a33d", "#b3261e"
 BLUE, ORANGE, GREY = "#1f5fa8", "#d9822b", "#7a828c"
@@ -187,11 +188,11 @@ def chatter(file: Path) -> None:
     figure = Figure(figsize=(8.2, 5.4), layout="constrained")
     above, below = figure.subplots(2)
     for axes in (above, below):
-        axes.axhline(1, color=INK, linewidth=2)
-        axes.axhline(-1, color=INK, linewidth=2)
-        axes.plot(time, gap, color=BLUE, linewidth=1.2)
+        for wall, color in WALLS.items():
+            axes.axhline(wall, color=color, linewidth=2)
+        axes.plot(time, gap, color=ABSORBER, linewidth=1.2)
         stuck = (episode["stick_time"], episode["release_time"])
-        axes.plot(stuck, [episode["wall"]] * 2, color=ORANGE, linewidth=4, solid_capstyle="butt")
+        axes.plot(stuck, [episode["wall"]] * 2, color=INK, linewidth=4, solid_capstyle="butt")
         axes.set(ylabel="y / d", xlabel=r"$\tau=\omega_n t$")
     above.set(xlim=(0, 2 * np.pi), ylim=(-1.3, 1.45))
     above.text(0.05, 1.12, "wall +1", fontsize=9)
@@ -204,7 +205,7 @@ def chatter(file: Path) -> None:
     near = (episode["stick_time"] - 0.32, episode["stick_time"] + 0.06)
     below.set(xlim=near, ylim=(0.93, 1.015) if wall > 0 else (-1.015, -0.93))
     impacts = run.impacts.filter(run.impacts["time"].is_between(*near))
-    below.plot(impacts["time"], [wall] * impacts.height, "o", color=FORCE, markersize=3)
+    below.plot(impacts["time"], [wall] * impacts.height, "o", color=WALLS[wall], markersize=3)
     pointed(below, "stick", (episode["stick_time"], wall), (near[1] - 0.03, 0.975 * wall))
     save(figure, file)
 
@@ -260,14 +261,14 @@ def front(file: Path) -> None:
     bare = iva.simulate(None, **scene)
     figure = Figure(figsize=(8.2, 4.3), layout="constrained")
     above, below = figure.subplots(2, sharex=True, height_ratios=(2.2, 1))
-    for made, label, color in ((bare, "bare", GREY), (run, "with the absorber", BLUE)):
+    for made, label, color in ((bare, "bare", GREY), (run, "with the absorber", STRUCTURE)):
         motion = made.trajectory(200)
         periods = motion["time"] / (2 * np.pi)
         width = 0.8 if made is bare else 1.4
         above.plot(periods, motion["displacement"], color=color, linewidth=width, label=label)
     above.legend(loc="upper right", frameon=False, ncols=2)
     above.set(ylabel=r"$x\,/\,x_0$", ylim=(-1.1, 1.4))
-    for wall, color in ((1, ORANGE), (-1, FORCE)):
+    for wall, color in WALLS.items():
         side = run.impacts.filter(run.impacts["wall"] == wall)
         times = side["time"] / (2 * np.pi)
         label = f"wall {wall:+d}".replace("-", "−")

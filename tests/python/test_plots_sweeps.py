@@ -209,5 +209,5 @@ def test_forced_response_in_si_units_by_start() -> None:
     )
     axes = plots.forced_response(table, theory=scene)
     assert axes.get_xlabel() == "force frequency Ω/2π (Hz)"
-    assert axes.get_ylabel() == "amplitude max |x| (m)"
+    assert axes.get_ylabel() == "amplitude max |x| (mm)", "starts are swept in mm"
     assert {"x₀ = 0 mm", "x₀ = 10 mm"} <= set(labels(axes))

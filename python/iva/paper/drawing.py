@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
+import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import iva
 from iva import plots
+from iva.paper import bands
 from iva.paper.measures import FIRST, FIT, TEN, THREE, TO_5, TO_10
+from iva.plots.axis_units import name_axis
+from iva.plots.legends import legend_above
 from iva.plots.styles import BLACK, BLUE, CURVES, GREEN, GREY, ORANGE, VERMILLION
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -83,10 +88,11 @@ def impact_curves(summary: pl.DataFrame, by: str, symbol: str) -> Figure:
     with plots.style():
         figure = Figure(figsize=(NARROW, 2.6), layout="constrained")
         axes = figure.subplots()
-        lines(axes, summary, "relative_clearance", by, symbol, summary["impacts_until_5"])
+        jumps = lines(axes, summary, "relative_clearance", by, symbol, summary["impacts_until_5"])
         axes.set_yscale("log")
         axes.set_ylabel("impacts until 5 %")
-        axes.legend(ncols=2)
+        legend_above(axes)
+        noted(figure, jumps)
     return figure
 
 
@@ -94,34 +100,60 @@ def damping_panels(summary: pl.DataFrame, x: str, by: str, symbol: str) -> Figur
     """Draw the damping over a parameter, a panel for each measure."""
     with plots.style():
         figure = Figure(figsize=(WIDE, 4.2), layout="constrained")
-        panels = figure.subplots(2, 3, sharex=True)
+        panels, jump = figure.subplots(2, 3, sharex=True), False
         for axes, measure in zip(panels.flat, PANELS, strict=True):
             damping = pl.Series(measure.of(summary)).fill_nan(None)
-            lines(axes, summary, x, by, symbol, damping)
+            jumps = lines(axes, summary, x, by, symbol, damping)
+            jump = jump or jumps
             axes.set_title(measure.label, loc="left")
-            axes.set_ylim(bottom=0.0)
+            axes.set_ylim(0.0, highest(damping) if jumps else None)
         for axes in panels[:, 0]:
             axes.set_ylabel("damping ratio")
         for axes in panels[0]:
             axes.set_xlabel("")
         handles, labels = panels[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        noted(figure, jump)
     return figure
+
+
+def highest(values: pl.Series) -> float:
+    """Return the end of an axis that single high points do not stretch."""
+    return 1.1 * float(np.nanquantile(values.cast(pl.Float64).fill_null(np.nan).to_numpy(), 0.99))
+
+
+def noted(figure: Figure, jumps: bool) -> None:
+    """Say above a figure what lines and bands are, if there are any."""
+    if jumps:
+        wide = figure.get_figwidth() > NARROW
+        text = bands.NOTE if wide else bands.NOTE.replace("axis; ", "axis;\n", 1)
+        figure.suptitle(text, fontsize=7, color=GREY)
 
 
 def lines(
     axes: Axes, summary: pl.DataFrame, x: str, by: str, symbol: str, values: pl.Series
-) -> None:
-    """Draw a curve for each value of a parameter."""
-    drawn = summary.select(x, by).with_columns(values.alias("value"))
+) -> bool:
+    """Draw a curve for each value of a parameter; return whether they jump, and are banded."""
+    drawn = summary.select(x, by).with_columns(values.cast(pl.Float64).alias("value"))
+    parts = drawn.partition_by(by, maintain_order=True)
+    curves = [part["value"].fill_null(np.nan).to_numpy() for part in parts]
+    jump = any(bands.jumps(curve) for curve in curves)
     # Starts of different size give nearly the same curve: each is seen below the next.
     widths = (2.6, 1.6, 0.6) if by == "gravity" else 2 * len(CURVES) * (0.9,)
-    for color, width, (value, curve) in zip(
-        CURVES * 2, widths, drawn.group_by(by, maintain_order=True), strict=False
-    ):
-        label = f"{symbol} = {value[0]:g}"
-        axes.plot(curve[x], curve["value"], color=color, linewidth=width, label=label)
-    axes.set_xlabel(AXES[x])
+    for color, width, part, curve in zip(CURVES * 2, widths, parts, curves, strict=False):
+        label = f"{symbol} = {part[by][0]:g}"
+        at = part[x].to_numpy()
+        if jump:
+            bands.draw(axes, at, curve, color, label, width)
+        else:
+            axes.plot(at, curve, color=color, linewidth=width, label=label)
+    name_axis(axes.xaxis, partial(named, AXES[x]), "1")
+    return jump
+
+
+def named(words: str, unit: str) -> str:  # noqa: ARG001 (these have none)
+    """Return the label of a parameter without unit."""
+    return words
 
 
 def table1(
@@ -139,7 +171,7 @@ def table1(
         left.set_xlabel("relative clearance γ, mass ratio μ")
         left.set_ylabel("“damping ratio” of Table 1")
         left.set_ylim(bottom=0.0)
-        left.legend()
+        legend_above(left)
         spread(right, fits)
     return figure
 
@@ -166,7 +198,7 @@ def spread(axes: Axes, fits: Sequence[Fit]) -> None:
     axes.invert_yaxis()
     axes.set_xlim(left=0.0)
     axes.set_xlabel("r.m.s. difference from the experiment, best ζ and e")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    legend_above(axes)
 
 
 def panels_of(panels: object) -> list[Axes]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 from itertools import cycle, groupby
 from operator import attrgetter
 
@@ -13,10 +14,13 @@ from matplotlib.axes import Axes
 
 from iva import _iva
 from iva.dynamics.branches import Branch, Row
+from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.curves import Curve
 from iva.parameters import shown, spec
+from iva.plots.axis_units import fields_of, in_millimetres, name_axis
 from iva.plots.labels import labelled, of_column
-from iva.plots.styles import BLACK, BLUE, CURVES, GREY, VERMILLION, drawing_on, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import BLACK, BLUE, CURVES, GREY, VERMILLION, drawing_on
 from iva.spelling import spell_checked
 
 #: Kind of a special point → marker and words.
@@ -88,11 +92,15 @@ def branch(
         for one in given:
             lines(axes, one, y)
         marked(axes, given, y)
-        axes.set_xlabel(of_column(given[0].scene.over, units.get(given[0].scene.over, "")))
-        axes.set_ylabel(labelled(words, symbol, units.get(of, "")))
+        over, in_mm = given[0].scene.over, any(scene_in_mm(one.scene) for one in given)
+        for axis, label, unit in (
+            (axes.xaxis, partial(of_column, over), units.get(over, "")),
+            (axes.yaxis, partial(labelled, words, symbol), units.get(of, "")),
+        ):
+            name_axis(axis, label, unit, millimetres=in_mm)
         axes.plot([], [], color=BLUE, label="stable")
         axes.plot([], [], color=GREY, linestyle="--", label="unstable")
-        legend_above(axes, 3, "")
+        legend_above(axes)
     return axes
 
 
@@ -164,7 +172,7 @@ def multipliers(branches: Branch | Iterable[Branch], *, ax: Axes | None = None) 
         axes.set_aspect("equal")
         axes.set_xlabel("Re λ")
         axes.set_ylabel("Im λ")
-        legend_above(axes, 2, "")
+        legend_above(axes)
     return axes
 
 
@@ -206,9 +214,10 @@ def stability_chart(curves: Curve | Iterable[Curve], *, ax: Axes | None = None) 
             axes.plot(
                 *(list(column) for column in columns), color=colour, label=MARKERS[one.kind][1]
             )
-        axes.set_xlabel(of_column(across, units.get(across, "")))
-        axes.set_ylabel(of_column(up, units.get(up, "")))
-        legend_above(axes, 3)
+        in_mm = any(scene_in_mm(one.scene) for one in given)
+        for axis, name in ((axes.xaxis, across), (axes.yaxis, up)):
+            name_axis(axis, partial(of_column, name), units.get(name, ""), millimetres=in_mm)
+        legend_above(axes)
     return axes
 
 
@@ -231,6 +240,12 @@ def listed(branches: Branch | Iterable[Branch]) -> list[Branch]:
         rule = "give branches over one number" if numbers else "give at least one"
         raise ValueError(f"branches: {rule}")
     return given
+
+
+def scene_in_mm(scene: Scene) -> bool:
+    """Return whether lengths of a scene were given in mm."""
+    given = fields_of(scene.absorber, scene.primary, scene.force, scene.start)
+    return in_millimetres([*given, scene.over])
 
 
 def units_of(one: Branch) -> dict[str, str]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,8 +14,10 @@ from matplotlib.colors import Normalize
 from iva.optimisation import Optimum
 from iva.parameters import shown
 from iva.plots.arguments import Numbers, values_of
+from iva.plots.axis_units import colour_bar, in_millimetres, name_axis
 from iva.plots.labels import of_column
-from iva.plots.styles import CURVES, drawing_on, figure_of, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import CURVES, drawing_on
 from iva.spelling import no_column, spell_checked
 
 #: Share of the designs that the colours tell apart; the others have the last colour.
@@ -69,6 +73,7 @@ def design(
     x, y = (column(found, *pair) for pair in (("x", x or usual[0]), ("y", y or usual[1])))
     units = found.units["summary"]
     tried, value = found.table, goals[0]
+    in_mm = in_millimetres([*found._spec, *fields])
     with drawing_on(ax) as axes:
         across, up = values_of(tried[x]), values_of(tried[y])
         if value in (x, y):
@@ -83,13 +88,12 @@ def design(
                 across[order], up[order], c=of_value[order], s=6, cmap=colours, norm=scale,
                 plotnonfinite=False, zorder=1,
             )  # fmt: skip
-            end = "min" if found.maximised(value) else "max"
-            figure_of(axes).colorbar(
-                ScalarMappable(scale, colours),
-                ax=axes,
-                label=f"{of_column(value, unit_of(units, value))}\n{found.criterion}",
-                extend=end,
-            )
+            end: Literal["min", "max"] = "min" if found.maximised(value) else "max"
+            colour_bar(
+                axes, ScalarMappable(scale, colours),
+                partial(judged, value, f"\n{found.criterion}"), unit_of(units, value),
+                millimetres=in_mm, extend=end,
+            )  # fmt: skip
         several = found.front if found.front.height else found.as_good[1:]
         label = "front, fresh cases" if found.front.height else "as good as the best"
         if several.height:
@@ -103,11 +107,16 @@ def design(
             values_of(best[x]), values_of(best[y]), "*", color="black", markeredgecolor="white",
             markersize=9, label="the best", zorder=3,
         )  # fmt: skip
-        for name, label_of in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
-            words = of_column(name, unit_of(units, name))
-            label_of(f"{words}, {found.criterion}" if name == value else words)
-        legend_above(axes, 2)
+        for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
+            words = partial(judged, name, f", {found.criterion}" if name == value else "")
+            name_axis(axis, words, unit_of(units, name), millimetres=in_mm)
+        legend_above(axes)
     return axes
+
+
+def judged(name: str, criterion: str, unit: str) -> str:
+    """Return the label of a measure, and by what its cases are judged together."""
+    return of_column(name, unit) + criterion
 
 
 def column(found: Optimum, field: str, name: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,9 @@ from iva.design import Design, design_of
 from iva.forces import Impulse, listed
 from iva.parameters import Siva
 from iva.plots.arguments import Numbers, checked_run, values_of
+from iva.plots.axis_units import name_axis
 from iva.plots.labels import labelled
+from iva.plots.legends import legend_above
 from iva.plots.styles import (
     BLACK,
     BLUE,
@@ -23,7 +26,6 @@ from iva.plots.styles import (
     SKY_BLUE,
     VERMILLION,
     drawing_on,
-    legend_above,
 )
 from iva.scenes import absorbers
 from iva.simulation import Run
@@ -124,12 +126,10 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
         )
         axes.set_xlim(split.time[0], split.time[-1])
         axes.set_ylim(0.0, split.total.max() / scale)
-        axes.set_xlabel(labelled("time", "t", units["trajectory"]["time"]))
-        if driven:
-            axes.set_ylabel(labelled("energy", "E", units["summary"]["energy_initial"]))
-        else:
-            axes.set_ylabel("energy E/E(0)")
-        legend_above(axes, 4 if len(split.layers) == 4 else 3)
+        name_axis(axes.xaxis, partial(labelled, "time", "t"), units["trajectory"]["time"])
+        unit = units["summary"]["energy_initial"] if driven else "1"
+        name_axis(axes.yaxis, partial(labelled, "energy", "E" if driven else "E/E(0)"), unit)
+        legend_above(axes)
     return axes
 
 

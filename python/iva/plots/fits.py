@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -10,15 +11,14 @@ from matplotlib.axes import Axes
 from iva.identification import Fit
 from iva.parameters import shown
 from iva.plots.arguments import values_of
-from iva.plots.styles import CURVES, drawing_on, legend_above
+from iva.plots.axis_units import name_axis
+from iva.plots.labels import labelled
+from iva.plots.legends import legend_above
+from iva.plots.styles import CURVES, WALLS, drawing_on
 from iva.spelling import spell_checked
 
-#: Axis of what was measured.
-LABELS = {
-    "displacement": "displacement x (m)",
-    "velocity": "velocity v (m/s)",
-    "acceleration": "acceleration a (m/s²)",
-}
+#: What was measured → symbol and unit.
+MEASURED = {"displacement": ("x", "m"), "velocity": ("v", "m/s"), "acceleration": ("a", "m/s²")}
 VIEWS = ("record", "residual", "restitution")
 
 
@@ -68,7 +68,7 @@ def fit(
             (of_record if show == "record" else of_residual)(found, axes)
             end = found.time[-1] if until is None else until
             axes.set_xlim(found.time[0], end)
-            axes.set_xlabel("time t (s)")
+            name_axis(axes.xaxis, partial(labelled, "time", "t"), "s")
     return axes
 
 
@@ -85,7 +85,7 @@ def of_record(found: Fit, axes: Axes) -> None:
             at,
             np.full(len(at), place),
             marker,
-            color=CURVES[1],
+            color=WALLS[wall],
             markersize=3,
             transform=axes.get_xaxis_transform(),
             label=f"impact on wall {'+' if wall > 0 else '−'}",
@@ -95,8 +95,9 @@ def of_record(found: Fit, axes: Axes) -> None:
     inside = np.quantile(np.abs(finite - np.median(finite)), 0.99)
     middle = float(np.median(finite))
     axes.set_ylim(middle - 1.5 * inside, middle + 1.5 * inside)
-    axes.set_ylabel(LABELS[found.quantity])
-    legend_above(axes, 2)
+    symbol, unit = MEASURED[found.quantity]
+    name_axis(axes.yaxis, partial(labelled, found.quantity, symbol), unit)
+    legend_above(axes)
 
 
 def of_residual(found: Fit, axes: Axes) -> None:
@@ -133,6 +134,6 @@ def of_impacts(found: Fit, axes: Axes) -> None:
     axes.axhline(row["value"], color="0.4", linewidth=0.8)
     axes.set_ylim(0.0, 1.05)
     axes.set_xlim(left=0.0)
-    axes.set_xlabel("approach speed (m/s)")
+    name_axis(axes.xaxis, partial(labelled, "approach speed", ""), "m/s")
     axes.set_ylabel("restitution e")
-    legend_above(axes, 2)
+    legend_above(axes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import polars as pl
@@ -15,8 +16,10 @@ from iva import _iva
 from iva.forces import Harmonic
 from iva.parameters import Primary, Siva, shown, spec
 from iva.plots.arguments import Numbers, checked_table, frame_of, numeric, values_of
+from iva.plots.axis_units import in_millimetres, name_axis
 from iva.plots.labels import of_column, valued
-from iva.plots.styles import BLACK, BLUE, GREEN, GREY, PURPLE, VERMILLION, drawing_on, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import BLACK, BLUE, GREEN, GREY, PURPLE, VERMILLION, drawing_on
 from iva.spelling import spell_checked
 from iva.tables import Table
 from iva.theory import masri_caughey
@@ -147,9 +150,10 @@ def forced_response(
             axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.set_xlabel(of_column(key, units[key]))
-        axes.set_ylabel(of_column(value, units.get(value, "")))
-        legend_above(axes, 2)
+        in_mm = in_millimetres(table)
+        for axis, name in ((axes.xaxis, key), (axes.yaxis, value)):
+            name_axis(axis, partial(of_column, name), units.get(name, ""), millimetres=in_mm)
+        legend_above(axes)
     return axes
 
 

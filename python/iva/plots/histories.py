@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +12,10 @@ from iva.design import design_of
 from iva.forces import Impulse, listed
 from iva.parameters import numbers, shown
 from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
+from iva.plots.axis_units import in_millimetres, name_axis
 from iva.plots.labels import labelled
+from iva.plots.legends import legend_above
+from iva.plots.level_labels import label_levels
 from iva.plots.styles import (
     ABSORBER,
     GREEN,
@@ -22,7 +26,6 @@ from iva.plots.styles import (
     VERMILLION,
     WALLS,
     drawing_on,
-    legend_above,
 )
 from iva.scenes import seen_with_absorbers
 from iva.simulation import Run, truth
@@ -153,10 +156,12 @@ def decay(
                 )
         axes.set_xlim(motion["time"][0], end)
         axes.margins(y=0.08)
-        axes.set_xlabel(labelled("time", "t", units["time"]))
-        unit = "1" if relative else units["displacement"]
-        axes.set_ylabel(labelled("displacement", "x/A₀" if relative else "x", unit))
-        legend_above(axes, 2)
+        name_axis(axes.xaxis, partial(labelled, "time", "t"), units["time"])
+        symbol, unit = ("x/A₀", "1") if relative else ("x", units["displacement"])
+        in_mm = in_millimetres(run) or (bare is not None and in_millimetres(bare))
+        label_of = partial(labelled, "displacement", symbol)
+        name_axis(axes.yaxis, label_of, unit, millimetres=in_mm)
+        legend_above(axes)
     return axes
 
 
@@ -175,19 +180,7 @@ def settle_lines(
             axes.plot(
                 time, height, "o", color=STRUCTURE, markersize=3, label=f"_settled to {level:g} %"
             )
-    if levels:
-        text = ", ".join(f"{level:g}" for level in levels)
-        axes.annotate(
-            f"±{text} %",
-            (1.0, 0.0),
-            (3, 0),
-            xycoords=axes.get_yaxis_transform(),
-            textcoords="offset points",
-            rotation=90,
-            va="center",
-            fontsize="small",
-            color="0.35",
-        )
+    label_levels(axes, {level / 100.0 * reference / scale: f"±{level:g} %" for level in levels})
 
 
 def reference_amplitude(run: Run) -> float:
@@ -267,7 +260,7 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
             axes.plot(own["time"], velocity, color=colour, linewidth=0.8, label=name)
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
         axes.set_xlim(motion["time"][0], end)
-        axes.set_xlabel(labelled("time", "t", units["time"]))
-        axes.set_ylabel(labelled("velocity", symbols, units["velocity"]))
-        legend_above(axes, 2)
+        name_axis(axes.xaxis, partial(labelled, "time", "t"), units["time"])
+        name_axis(axes.yaxis, partial(labelled, "velocity", symbols), units["velocity"])
+        legend_above(axes)
     return axes

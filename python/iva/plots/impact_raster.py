@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 
 from iva.parameters import shown
 from iva.plots.arguments import Numbers, frame_of, limit, numeric
+from iva.plots.axis_units import in_millimetres, name_axis
 from iva.plots.labels import labelled, of_column
-from iva.plots.styles import WALLS, drawing_on, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import WALLS, drawing_on
 from iva.simulation import Run
 from iva.spelling import spell_checked
 from iva.tables import Table
@@ -99,11 +103,13 @@ def raster(
         axes.set_ylim(heights.min() - 1.2 * half, heights.max() + 1.2 * half)
         begin = (table.start.time or 0.0) if isinstance(table, Run) else 0.0
         axes.set_xlim(begin, end if np.isfinite(end) else None)
-        axes.set_xlabel(labelled("time", "t", units["impacts"]["time"]))
-        axes.set_ylabel(of_column(by, units["summary"].get(by, "")))
+        name_axis(axes.xaxis, partial(labelled, "time", "t"), units["impacts"]["time"])
         if isinstance(table, Run):
             axes.set(yticks=[], ylabel="")
-        legend_above(axes, 2)
+        else:
+            unit, in_mm = units["summary"].get(by, ""), in_millimetres(table)
+            name_axis(axes.yaxis, partial(of_column, by), unit, millimetres=in_mm)
+        legend_above(axes)
     return axes
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -20,11 +21,18 @@ from iva.plots.arguments import (
     once,
     swept_key,
 )
+from iva.plots.axis_units import colour_bar, in_millimetres, name_axis
 from iva.plots.labels import judgement, of_column, symbol_of
-from iva.plots.styles import drawing_on, figure_of
+from iva.plots.legends import legend_above
+from iva.plots.neighbours import checked_window, medians
+from iva.plots.styles import drawing_on
 from iva.spelling import spell_checked
 from iva.tables import Table
 
+#: The ridge is that of medians over so many points along each side of a window …
+STEADY = 5
+#: … where the grid has at least so many values each way: fewer are no neighbours.
+FEWEST = 8
 #: Begins of the names of columns of which the smallest is the best.
 SMALL = ("settling_time_", "residual_amplitude", "amplitude_")
 
@@ -38,6 +46,7 @@ def heatmap(
     y: str | None = None,
     best: Literal["max", "min", "none"] | None = None,
     limits: tuple[float | None, float | None] | Literal["robust", "all"] = "robust",
+    median_of: int = 1,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw a column of the summary over two swept parameters, with the ridge of the optimum.
@@ -56,13 +65,19 @@ def heatmap(
         Whether the ridge joins, for each x, the y of the largest or of the smallest value; "none"
         for no ridge. By default the column decides: of damping ratios and `reduction` the largest
         is the best, of settling times, `residual_amplitude` and amplitudes the smallest, and others
-        have no ridge.
+        have no ridge. So that luck at single points does not make it zigzag, it is steadied where
+        the grid has at least 8 values each way, and its legend says so: the best of the medians of
+        5 × 5 neighbours, and of that the running median over 5 values across.
     limits : {"robust", "all"} or (float, float), default "robust"
         The values at the ends of the colours, ``None`` for the smallest or largest there is.
         "robust": where `best` says what is good, the colours reach from the best value to three
         times as far from it as the median lies, so that a few points that hardly settle do not take
         the whole scale; an arrow on the colour bar shows that there are values beyond. "all": from
         the smallest to the largest value.
+    median_of : int, default 1
+        How many points along each side of a window, an odd number: draw the median of the points
+        around each one, 3 × 3 for 3, and its ridge. For measures that jump from point to point. At
+        the edges the window is cut; it is hatched where more than half of its points are null.
     ax : matplotlib axes, optional
         Where to draw; axes of their own by default.
 
@@ -76,7 +91,7 @@ def heatmap(
         If an argument is of the wrong class.
     ValueError
         If there is no such column of numbers, it is null everywhere, the points are no grid over
-        `x` and `y`, or `limits` are none.
+        `x` and `y`, `limits` are none, or `median_of` is not odd.
 
     Examples
     --------
@@ -97,7 +112,7 @@ def heatmap(
     across, up, values = (
         numeric(summary, field, name) for field, name in (("x", x), ("y", y), ("value", value))
     )
-    direction = direction_of(value, best)
+    direction, points = direction_of(value, best), checked_window("median_of", median_of)
     columns, column = np.unique(across, return_inverse=True)
     rows, row = np.unique(up, return_inverse=True)
     once(summary.height, columns.size * rows.size, table, f"{x} and {y}")
@@ -108,7 +123,14 @@ def heatmap(
         )
     grid = np.full((rows.size, columns.size), np.nan)
     grid[row, column] = values
-    units = table.units["summary"]
+    steadied = points == 1 and min(grid.shape) >= FEWEST
+    along = steady_ridge if steadied else ridge
+    grid = medians(grid, points)
+    best_rows = None if direction is None else along(rows, grid, direction)
+    if np.isnan(grid).all():
+        rule = "most values are null around every point; give 1"
+        raise ValueError(f"median_of = {points}: {rule}")
+    units, in_mm = table.units["summary"], in_millimetres(table)
     with drawing_on(ax) as axes:
         entries: list[Line2D | Patch] = []
         low, high = limits_of(grid, limits, direction)
@@ -127,32 +149,38 @@ def heatmap(
             entries.append(
                 Patch(facecolor="0.85", edgecolor="0.55", hatch="/////", label="no value (null)")
             )
-        label = of_column(value, units.get(judgement(value)[0], ""))
-        figure_of(axes).colorbar(mesh, ax=axes, label=label, extend=beyond(grid, low, high))
-        if direction is not None:
+        of_median = "" if points == 1 else f"\nmedian of {points} × {points} neighbours"
+        colour_bar(
+            axes,
+            mesh,
+            partial(measured, value, of_median),
+            units.get(judgement(value)[0], ""),
+            millimetres=in_mm,
+            extend=beyond(grid, low, high),
+        )
+        if best_rows is not None:
             word = "smallest" if direction == "min" else "largest"
+            of = f" (medians of {STEADY} × {STEADY})" if steadied else ""
             outline = [patheffects.withStroke(linewidth=2.4, foreground="white")]
             entries += axes.plot(
                 columns,
-                ridge(rows, grid, direction),
+                best_rows,
                 color="black",
                 linewidth=1.0,
                 marker=".",
                 markersize=2,
                 path_effects=outline,
-                label=f"{word} at each {symbol_of(x, units.get(x, ''))}",
+                label=f"{word} at each {symbol_of(x, units.get(x, ''))}{of}",
             )
-        axes.set_xlabel(of_column(x, units.get(x, "")))
-        axes.set_ylabel(of_column(y, units.get(y, "")))
-        if entries:
-            axes.legend(
-                handles=entries,
-                loc="lower center",
-                bbox_to_anchor=(0.5, 1.0),
-                ncols=2,
-                borderaxespad=0.3,
-            )
+        for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
+            name_axis(axis, partial(of_column, name), units.get(name, ""), millimetres=in_mm)
+        legend_above(axes, entries)
     return axes
+
+
+def measured(value: str, of_median: str, unit: str) -> str:
+    """Return what stands at the colours."""
+    return of_column(value, unit) + of_median
 
 
 def direction_of(value: str, best: object) -> Literal["max", "min"] | None:
@@ -229,3 +257,10 @@ def ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Num
     filled = np.where(np.isnan(grid), worst, grid)
     index = filled.argmax(axis=0) if direction == "max" else filled.argmin(axis=0)
     return np.where(np.isnan(grid).all(axis=0), np.nan, rows[index])
+
+
+def steady_ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
+    """Return as :func:`ridge` what luck at single points moves little."""
+    best = ridge(rows, medians(grid, STEADY), direction)
+    running: Numbers = medians(best[np.newaxis], STEADY)[0]
+    return np.where(np.isnan(best), np.nan, running)

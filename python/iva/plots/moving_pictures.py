@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from iva.exports import aside
 from iva.forces import file_name
 from iva.parameters import number, shown
 from iva.plots.arguments import Numbers, checked_run, frame_of, limit, motion_of, values_of
+from iva.plots.axis_units import in_millimetres, name_axis
 from iva.plots.labels import labelled
 from iva.plots.scenery import scenery
 from iva.plots.styles import GREY, STRUCTURE, WALLS, style
@@ -217,8 +219,9 @@ def trace(
     units = run.units["trajectory"]
     axes.set_xlim(motion["time"][0], end)
     axes.margins(y=0.08)
-    axes.set_xlabel(labelled("time", "t", units["time"]))
-    axes.set_ylabel(labelled("x", "", units["displacement"]))
+    name_axis(axes.xaxis, partial(labelled, "time", "t"), units["time"])
+    in_mm = in_millimetres(run)
+    name_axis(axes.yaxis, partial(labelled, "x", ""), units["displacement"], millimetres=in_mm)
     return past, now
 
 

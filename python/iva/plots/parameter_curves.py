@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,8 +11,10 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from iva.plots.arguments import Numbers, checked_table, frame_of, numeric, once, swept_key
+from iva.plots.axis_units import colour_bar, in_millimetres, name_axis
 from iva.plots.labels import of_column, symbol_of
-from iva.plots.styles import CURVES, SHADES, drawing_on, figure_of, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import CURVES, SHADES, drawing_on
 from iva.spelling import spell_checked
 from iva.tables import Table
 
@@ -92,15 +94,16 @@ def curves(
             dots = rows[alone(up[rows])]
             if dots.size:
                 axes.plot(across[dots], up[dots], ".", color=colour, label="_between gaps")
-        axes.set_xlabel(of_column(x, units.get(x, "")))
-        axes.set_ylabel(of_column(y, units.get(y, "")))
-        if by is not None and few:
-            across_all = max(len(f"{value:g}") for value in values) * len(values) <= 25
-            columns = len(values) if across_all else math.ceil(len(values) / 2)
-            legend_above(axes, columns, symbol_of(by, units.get(by, "")))
-        elif by is not None:
-            label = of_column(by, units.get(by, ""))
-            figure_of(axes).colorbar(ScalarMappable(scale, SHADES), ax=axes, label=label)
+        in_mm = in_millimetres(table)
+        for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
+            name_axis(axis, partial(of_column, name), units.get(name, ""), millimetres=in_mm)
+        if by is not None:
+            unit = units.get(by, "")
+            if few:
+                legend_above(axes, title=symbol_of(by, unit))
+            else:
+                shades = ScalarMappable(scale, SHADES)
+                colour_bar(axes, shades, partial(of_column, by), unit, millimetres=in_mm)
     return axes
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from iva.design import design_of
-from iva.plots.arguments import checked_absorber, checked_run, motion_of
+from iva.plots.arguments import Numbers, checked_absorber, checked_run, motion_of
+from iva.plots.axis_units import in_millimetres, name_axis
 from iva.plots.labels import labelled
-from iva.plots.styles import STRUCTURE, VERMILLION, drawing_on, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import STRUCTURE, WALLS, drawing_on
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
@@ -23,7 +28,7 @@ def phase(
     until: float | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw velocity over displacement; impacts are vertical jumps.
+    """Draw velocity over displacement; impacts are vertical jumps in the colour of their wall.
 
     Parameters
     ----------
@@ -88,23 +93,45 @@ def phase(
             linewidth=0.7,
             label="flight",
         )
-        before, after = (np.column_stack([x[at], y[at]]) for at in (jumps, jumps + 1))
-        axes.add_collection(
-            LineCollection(
-                list(np.stack([before, after], axis=1)),
-                colors=VERMILLION,
+        own = [place] if relative else range(design_of(run).absorbers)
+        impacts(axes, run, until, own, (across, up))
+        axes.plot(x[0], y[0], "o", color=STRUCTURE, label="start", markersize=3)
+        words, in_mm = "gap " if relative else "", in_millimetres(run)
+        for axis, name, symbol, of in (
+            (axes.xaxis, "displacement", symbols[0], across),
+            (axes.yaxis, "velocity", symbols[1], up),
+        ):
+            label = partial(labelled, words + name, symbol)
+            name_axis(axis, label, units[of], millimetres=in_mm)
+        legend_above(axes)
+    return axes
+
+
+def impacts(
+    axes: Axes, run: Run, until: float | None, absorbers: Iterable[int], columns: tuple[str, str]
+) -> None:
+    """Draw the jumps at the impacts of some absorbers, in the colour of the wall."""
+    jumps: dict[int, list[Numbers]] = {1: [], -1: []}
+    for absorber in absorbers:
+        motion, _ = motion_of(run, until, absorber)
+        struck = np.diff(motion["gap_velocity"]) != 0.0
+        before = np.flatnonzero(struck & (np.diff(motion["time"]) == 0.0))
+        side = motion["gap_displacement"][before] > design_of(run, absorber).gap_offset
+        states = np.column_stack([motion[name] for name in columns])
+        ends = np.stack([states[before], states[before + 1]], axis=1)
+        for wall, of_wall in ((1, side), (-1, ~side)):
+            jumps[wall].append(ends[of_wall])
+    for wall, name in ((1, "wall +"), (-1, "wall −")):
+        if jumps[wall]:
+            drawn = LineCollection(
+                list(np.concatenate(jumps[wall])),
+                colors=WALLS[wall],
                 linewidths=0.7,
                 linestyles=[(0, (2, 1))],
                 zorder=2.5,
-                label="impact" if run.absorber is not None else "_no impact",
+                label=f"impacts, {name}",
             )
-        )
-        axes.plot(x[0], y[0], "o", color=STRUCTURE, label="start", markersize=3)
-        words = "gap " if relative else ""
-        axes.set_xlabel(labelled(f"{words}displacement", symbols[0], units[across]))
-        axes.set_ylabel(labelled(f"{words}velocity", symbols[1], units[up]))
-        legend_above(axes, 4 if relative else 3)
-    return axes
+            axes.add_collection(drawn)
 
 
 def walls(axes: Axes, clearance: float, middle: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +14,10 @@ from iva.design import design_of
 from iva.dynamics.search import whole
 from iva.parameters import Siva
 from iva.plots.arguments import checked_run, frame_of
-from iva.plots.styles import BLACK, BLUE, GREY, drawing_on, legend_above
+from iva.plots.axis_units import name_axis
+from iva.plots.labels import labelled
+from iva.plots.legends import legend_above
+from iva.plots.styles import BLACK, BLUE, GREY, drawing_on
 from iva.simulation import Run
 from iva.spelling import spell_checked
 
@@ -82,11 +86,11 @@ def slow_manifold(run: Run, *, discard: int = 0, ax: Axes | None = None) -> Axes
             curve, np.where(stable, np.nan, height), color=GREY, linestyle="--", label="unstable"
         )
         axes.plot(curve, np.where(stable, height, np.nan), color=BLUE, label="stable")
-        axes.set_xlabel("amplitude of the absorber θ")
-        axes.set_ylabel("amplitude of the structure ξ")
         axes.set_xlim(0.0, most)
         axes.set_ylim(0.0, top)
-        legend_above(axes, 3)
+        name_axis(axes.xaxis, partial(labelled, "amplitude of the absorber", "θ"), "1")
+        name_axis(axes.yaxis, partial(labelled, "amplitude of the structure", "ξ"), "1")
+        legend_above(axes)
     return axes
 
 

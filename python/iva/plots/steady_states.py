@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
@@ -13,8 +15,19 @@ from iva.dynamics.basin_maps import NO_IMPACTS, UNDECIDED, Basins
 from iva.dynamics.diagrams import Diagram
 from iva.parameters import Primary, shown, spec
 from iva.plots.arguments import checked_run
+from iva.plots.axis_units import fields_of, in_millimetres, name_axis
 from iva.plots.labels import labelled, of_column
-from iva.plots.styles import BLACK, BLUE, CURVES, GREY, SHADES, VERMILLION, drawing_on, legend_above
+from iva.plots.legends import legend_above
+from iva.plots.styles import (
+    BLACK,
+    BLUE,
+    CURVES,
+    GREY,
+    SHADES,
+    VERMILLION,
+    WALLS,
+    drawing_on,
+)
 from iva.simulation import Run
 from iva.spelling import spell_checked
 
@@ -87,20 +100,16 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
                     rasterized=True,
                     label=f"{way}wards",
                 )
-        axes.set_xlabel(of_column(diagram.over, units.get(diagram.over, "")))
+        over = diagram.over
+        given = fields_of(diagram.absorber, diagram.primary, diagram.force, diagram.start)
         # Words and symbol together are longer than the axis.
         name = f"{symbol} at the strobes" if symbol else words
-        axes.set_ylabel(labelled(name, "", units.get(of, "")))
-        handles, labels = axes.get_legend_handles_labels()
-        axes.legend(
-            handles[::-1],
-            labels[::-1],
-            loc="lower center",
-            bbox_to_anchor=(0.5, 1.0),
-            ncols=2,
-            borderaxespad=0.3,
-            markerscale=6,
-        )
+        for axis, label, unit in (
+            (axes.xaxis, partial(of_column, over), units.get(over, "")),
+            (axes.yaxis, partial(labelled, name, ""), units.get(of, "")),
+        ):
+            name_axis(axis, label, unit, millimetres=in_millimetres([*given, over]))
+        legend_above(axes, axes.get_legend_handles_labels()[0][::-1], markerscale=6)
     return axes
 
 
@@ -155,13 +164,15 @@ def section(
     units = run.units["trajectory"]
     with drawing_on(ax) as axes:
         across, up = (frame[name].to_numpy() for name in (plain(x), plain(y)))
+        colour = {"wall+": WALLS[1], "wall-": WALLS[-1]}.get(at, BLACK)
         axes.plot(
-            across, up, ".", color=BLACK, markersize=1.5, markeredgewidth=0.0, label=WORDS[at]
+            across, up, ".", color=colour, markersize=1.5, markeredgewidth=0.0, label=WORDS[at]
         )
-        for name, draw in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
+        for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
             words, symbol, _ = NUMBERS[name]
-            draw(labelled(words, symbol, units[name]))
-        legend_above(axes, 1)
+            label, in_mm = partial(labelled, words, symbol), in_millimetres(run)
+            name_axis(axis, label, units[name], millimetres=in_mm)
+        legend_above(axes, markerscale=3)
     return axes
 
 
@@ -230,15 +241,10 @@ def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Ax
             for label, colour in zip(present, colours, strict=True)
         ]
         across, up = basins.over
-        axes.set_xlabel(of_column(across, units.get(across, "")))
-        axes.set_ylabel(of_column(up, units.get(up, "")))
-        axes.legend(
-            handles=entries,
-            loc="lower center",
-            bbox_to_anchor=(0.5, 1.0),
-            ncols=min(len(entries), 4),
-            borderaxespad=0.3,
-        )
+        in_mm = in_millimetres([*fields_of(basins.absorber, basins.primary), across, up])
+        for axis, name in ((axes.xaxis, across), (axes.yaxis, up)):
+            name_axis(axis, partial(of_column, name), units.get(name, ""), millimetres=in_mm)
+        legend_above(axes, entries)
     return axes
 
 

@@ -112,14 +112,3 @@ def figure_of(ax: Axes) -> Figure:
     figure = ax.get_figure(root=True)
     assert figure is not None
     return figure
-
-
-def legend_above(ax: Axes, columns: int, title: str | None = None) -> None:
-    """Put the legend above the axes, where it covers nothing."""
-    ax.legend(
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        ncols=columns,
-        borderaxespad=0.3,
-        title=title,
-    )
