@@ -25,7 +25,10 @@ def test_rows_are_points() -> None:
 
 def test_whole_numbers_and_those_that_may_be_missing() -> None:
     frame = pandas.DataFrame(
-        {"units": pandas.array([1, 2], dtype="Int64"), "relative_clearance": np.float32([0.5, 1.0])}
+        {
+            "units": pandas.array([1, 2], dtype="Int64"),
+            "relative_clearance": np.array([0.5, 1.0], dtype=np.float32),
+        }
     )
     points = iva.sampling.points(frame)
     expected = pl.DataFrame({"units": [1.0, 2.0], "relative_clearance": [0.5, 1.0]})
