@@ -24,6 +24,7 @@ use crate::error::Error;
     max_term_width = 80,
     about = "Reference simulator for impact vibration absorbers",
     after_help = "Example: the settling time of a structure over the clearance of its absorber\n\n  \
+                  iva examples                             copies studies into the folder studies\n  \
                   iva check studies/siva_clearance.toml\n  \
                   iva sweep studies/siva_clearance.toml\n\n\
                   The tables are then in results/siva_clearance, as Parquet files.\n\n\

@@ -37,7 +37,7 @@ pub(crate) fn print_verified(verification: &Verification, units: UnitSystem, dir
         let [rows, exact] = differs.rows;
         let sentence = format!(
             "The runs differ in what happens: {} has {rows} rows, the second run {exact}, and the \
-             first {} are alike. Beyond them rounding decides (docs/limitations.md).",
+             first {} are alike. Beyond them rounding decides what comes next.",
             differs.table, differs.alike
         );
         let _ = writeln!(out, "{}", wrap(&sentence));
