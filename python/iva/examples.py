@@ -24,7 +24,18 @@ __all__ = ["copy", "names"]
 
 
 def names() -> tuple[str, ...]:
-    """Return the names of all files: studies (TOML), an earthquake (AT2) and a decay (CSV)."""
+    """Return the names of all files: studies (TOML), an earthquake (AT2) and a decay (CSV).
+
+    Returns
+    -------
+    tuple of str
+        In the order of the alphabet.
+
+    Examples
+    --------
+    >>> len(iva.examples.names())
+    14
+    """
     return tuple(_iva.example_names())
 
 

@@ -22,6 +22,12 @@ def warn_of_metres(spec: Spec, points: tuple[Any, ...] | None = None) -> None:
         The scene.
     points : tuple, optional
         What is swept, as :func:`iva.sampling.points_of` returns it.
+
+    Examples
+    --------
+    Lengths without a unit are not doubted:
+
+    >>> warn_of_metres({"absorber.gap": 4.0, "start.displacement": 0.004})
     """
     # Most scenes without units are not looked at, for the look takes longer than a short run.
     if points is None and "structure" not in spec and "primary.mass" not in spec:

@@ -19,7 +19,13 @@ class PandasFrame(Protocol):
 
 
 def is_of_pandas(frame: object) -> TypeGuard[PandasFrame]:
-    """Return whether something is a frame of pandas, which is not imported for that."""
+    """Return whether something is a frame of pandas, which is not imported for that.
+
+    Examples
+    --------
+    >>> is_of_pandas({"mass_ratio": [0.1]})
+    False
+    """
     made_by = type(frame)
     return made_by.__module__.partition(".")[0] == "pandas" and made_by.__name__ == "DataFrame"
 

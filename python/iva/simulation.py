@@ -37,6 +37,19 @@ class Run(RunTables):
     ----------
     gradients : mapping of str to Gradient
         Derivatives by the parameters given as ``gradients=…``.
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=30,
+    ... )
+    >>> run.impacts.select("time", "wall").row(0)
+    (1.1642..., 1)
+    >>> run.units["impacts"]["approach_velocity"]
+    'length of displacement · ωn'
     """
 
     def __init__(

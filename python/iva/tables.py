@@ -20,6 +20,18 @@ class Table:
     Attributes of tables are polars frames, made on first use; all begin with ``point``, the number
     of the point (of a grid row-major, last axis fastest). `swept` are the keys of the axes, `units`
     names the unit of every column. Tables can be copied, pickled and compared.
+
+    Examples
+    --------
+    >>> table = iva.sweep(
+    ...     iva.Siva(mass_ratio=0.1, restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     over={"relative_clearance": [0.4, 0.6]},
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=20,
+    ... )
+    >>> table.swept, table.summary["relative_clearance"].to_list()
+    (('relative_clearance',), [0.4, 0.6])
     """
 
     def __init__(self, swept: tuple[str, ...], units: Units, frames: Frames) -> None:

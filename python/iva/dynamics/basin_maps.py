@@ -74,6 +74,17 @@ class Basins:
         or more, shows that the boundary is fractal. ``None`` where there are none.
     side : int
         Side of these boxes, in cells.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.4)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = iva.dynamics.basins(
+    ...     siva, primary, force=force, over={"displacement": [-4, 0, 4], "velocity": [-2, 2]}
+    ... )
+    >>> found.labels.shape
+    (2, 3)
     """
 
     absorber: Siva | Piva

@@ -129,6 +129,16 @@ class Branch:
     Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of
     the impacts; special points by Newton's method on the orbit and its condition together. The
     motion from the first impact of a stick episode to its release is that of a run.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> first = iva.dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    >>> found = iva.dynamics.follow(first, over="clearance", between=(4.0, 5.0))
+    >>> found.walls, found.ends
+    ('-+', ('range', 'range'))
     """
 
     scene: Scene

@@ -73,6 +73,17 @@ class Diagram:
         Number of periods of the force left out and kept for each value.
     outcomes : tuple of Outcome
         How the runs ended: for each direction its values, increasing.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = iva.dynamics.diagram(
+    ...     siva, primary, force=force, over={"clearance": [3.7, 4.1, 4.5]}, keep=20
+    ... )
+    >>> [outcome.strobes for outcome in found.outcomes]
+    [20, 20, 20, 20, 20, 20]
     """
 
     absorber: Siva | Piva

@@ -83,6 +83,15 @@ class Attractors:
         Number of starts.
     box : tuple of pairs of float, length 4
         The box that they fill: displacement, velocity, gap displacement and gap velocity.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.4)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = iva.dynamics.attractors(siva, primary, force=force, starts=40)
+    >>> [attractor.orbit.walls for attractor in found.attractors]
+    ['++-']
     """
 
     absorber: Siva | Piva

@@ -169,6 +169,15 @@ class Orbit:
     Multipliers: exact derivative of the flow, saltation matrix at each impact (P. C. Müller, Chaos,
     Solitons & Fractals 5 (1995) 1671–1681), projection at a stick and at a release. Errors: to
     first order, by condition number and rounding.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = iva.dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    >>> [(round(impact.time, 4), impact.wall) for impact in found.impacts]
+    [(3.0055, 1), (6.1471, -1)]
     """
 
     absorber: Siva | Piva
