@@ -6,7 +6,7 @@ Dynamic Vibration Absorbers" studies a free mass in a gap (SIVA) and a pendulum 
 drawings), draws them, and puts each claim of the paper to the model. What the paper does not give
 is named in :class:`Assumptions`, and can be changed.
 
-Needs matplotlib and SciPy: ``pip install 'iva-dynamics[plots]'``.
+Needs matplotlib and SciPy: ``pip install 'iva-dynamics[paper]'``.
 
 Examples
 --------

@@ -14,4 +14,4 @@ def require() -> None:
     missing = [name for name in ("matplotlib", "scipy") if find_spec(name) is None]
     if missing:
         needs = " and ".join(missing)
-        raise ImportError(f"iva.paper needs {needs}: pip install 'iva-dynamics[plots]'")
+        raise ImportError(f"iva.paper needs {needs}: pip install 'iva-dynamics[paper]'")
