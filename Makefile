@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist advisories clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -145,6 +145,11 @@ wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
 
 sdist: $(VENV)/.tools ## build the source distribution, install from it, try what was installed
 	$(PYTHON) .ci/sdist.py $(BIN)/maturin
+
+advisories: ## look for known weaknesses of the packages in the lock files (needs cargo-deny and a network)
+	for manifest in Cargo.toml crates/iva-wasm/Cargo.toml tests/fuzz/Cargo.toml; do \
+		$(CARGO) deny --manifest-path $$manifest check --config $(CURDIR)/deny.toml advisories sources || exit 1; \
+	done
 
 clean: ## remove the environment, builds and caches
 	rm -rf $(VENV) target docs/_made .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -13,6 +13,8 @@ from typing import Any
 from iva.faults import fault
 
 FILE = "manifest.json"
+#: The newest layout of a manifest that this version reads, and the one that it writes.
+LAYOUT = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +78,12 @@ def parsed(file: Path, _changed: int, _size: int) -> Manifest:
     """Read a file; as long as it does not change, once."""
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
+        layout = int(found["manifest"])
+        if layout > LAYOUT:
+            raise fault(
+                f"{file} has layout {layout}, this version of iva reads up to {LAYOUT}: "
+                "install a newer iva-dynamics"
+            )
         parts = {int(number): part for number, part in found["parts"].items()}
         for part in parts.values():
             int(part["points"]), int(part["failed"])

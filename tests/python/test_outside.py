@@ -159,6 +159,7 @@ def exports(run: iva.Run, path: Path) -> list[tuple[str, Callable[[Path], object
     return ways
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no named pipes")
 def test_exports_replace_regular_files_only(tmp_path: Path, run: iva.Run) -> None:
     for name, write in exports(run, tmp_path / "file"):
         file = Path(name)

@@ -65,7 +65,7 @@ def test_the_licences_of_what_the_wheel_links_come_with_it() -> None:
     named = {path.name: path for path in installed.files or () if "licenses" in path.parts}
     assert set(named) == {"LICENSE-APACHE", "LICENSE-MIT", "THIRD-PARTY-NOTICES.txt"}
     assert all(".dist-info/licenses/" in path.as_posix() for path in named.values())
-    notices = named["THIRD-PARTY-NOTICES.txt"].read_text()
+    notices = named["THIRD-PARTY-NOTICES.txt"].read_text(encoding="utf-8")
     for package in ("arrow-array", "parquet", "pyo3", "zstd-sys"):
         assert f"\n{package} " in notices
     assert "Rust standard library" in notices

@@ -424,7 +424,7 @@ def test_without_matplotlib(tmp_path: Path) -> None:
         timeout=60,
     )
     assert done.returncode == 1
-    expected = "error: iva.paper needs matplotlib: pip install 'iva-dynamics[plots]'\n"
+    expected = "error: iva.paper needs matplotlib: pip install 'iva-dynamics[paper]'\n"
     assert done.stderr == expected
 
 

@@ -15,6 +15,7 @@ from polars.testing import assert_frame_equal
 
 import iva
 from iva import _iva
+from iva.manifests import LAYOUT
 from iva.parts import part_files
 
 STUDY = """
@@ -90,6 +91,30 @@ def test_a_newer_layout_is_refused(tmp_path: Path) -> None:
     with pytest.raises(iva.IvaError, match="newer iva-dynamics") as caught:
         iva.read(tmp_path)
     assert "\n" not in str(caught.value)
+
+
+def test_an_older_layout_is_read(tmp_path: Path) -> None:
+    # There is none yet; what counts is that a smaller number is no reason to refuse.
+    write(tmp_path, 0, [0, 1], "0")
+    assert iva.read(tmp_path).summary["point"].to_list() == [0, 1]
+
+
+def test_columns_that_a_version_does_not_know_are_read_as_they_are(tmp_path: Path) -> None:
+    (tmp_path / "summary").mkdir()
+    metadata = {"iva.units": "si", "iva.schema_version": str(iva.SCHEMA_VERSION)}
+    rows = pl.DataFrame({"point": [0], "outcome": ["finished"], "of_tomorrow": [0.5]})
+    rows.write_parquet(tmp_path / "summary" / "part-00000.parquet", metadata=metadata)
+    assert_frame_equal(iva.read(tmp_path).summary, rows)
+
+
+def test_a_manifest_of_a_newer_layout_is_refused(tmp_path: Path) -> None:
+    out = command(tmp_path, "sweep", STUDY + SWEEP)
+    file = out / "manifest.json"
+    manifest = json.loads(file.read_text(encoding="utf-8"))
+    assert manifest["manifest"] == LAYOUT
+    file.write_text(json.dumps(manifest | {"manifest": LAYOUT + 1}), encoding="utf-8")
+    with pytest.raises(iva.IvaError, match=f"has layout {LAYOUT + 1}.*newer iva-dynamics"):
+        iva.read(out)
 
 
 def test_files_of_others_are_refused(tmp_path: Path) -> None:

@@ -205,6 +205,18 @@ fn journals_lead_nowhere_else() {
 }
 
 #[test]
+fn journals_of_another_layout_are_refused() {
+    let (home, _) = Home::with_result();
+    let study = fs::read(home.out().join("study.toml")).unwrap();
+    home.write(".iva-new/lock", MARK);
+    home.write(".iva-new/exchange.json", r#"{"exchange": 2, "out": ["study.toml"], "in": []}"#);
+    let (code, said) = home.sweep(&["--overwrite"]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("exchange.json is no list of files of a result"), "{said}");
+    assert_eq!(fs::read(home.out().join("study.toml")).unwrap(), study);
+}
+
+#[test]
 fn folders_of_tables_that_are_links_are_refused() {
     for name in ["summary", "inputs", "errors", "errors/summary", "impacts"] {
         let (home, _) = Home::with_result();

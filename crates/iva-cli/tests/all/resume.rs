@@ -288,6 +288,10 @@ fn a_folder_of_which_nothing_is_known_begins_or_is_refused() {
     for (text, said) in [
         ("{\n  \"manifest\": 1", "it is no manifest of a result"),
         ("{\n  \"manifest\": 99}", "it is no manifest of a result"),
+        (
+            &whole.replace("\"manifest\": 1", "\"manifest\": 2"),
+            "it has layout 2, this version of iva reads 1",
+        ),
         (&whole.replace("\"summary\": {", "\"impacts\": {"), "its parts do not fit"),
         ("mine", "manifest.json is no manifest of a result and would be replaced"),
     ] {
