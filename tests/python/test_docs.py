@@ -21,7 +21,7 @@ WITHOUT = {
     f"iva.{name}"
     for name in (
         "commands design distributed frames identification manifests markup modal_masses own_files "
-        "parts progress reading remote scanning scenes tables"
+        "parts progress reading remote scanning scenes"
     ).split()
 }
 

@@ -30,6 +30,7 @@ from iva.parameters import Absorber, Part, spec
 from iva.plots.styles import figure_of
 from iva.simulation import Run
 from iva.tables import Table
+from iva.units import given_in_mm
 
 #: Units that take a prefix → the size below which everything has to be for the next smaller one.
 SMALL = {"m": 0.1, "m/s": 0.01, "m/s²": 0.01, "J": 0.01, "N": 0.01, "N s": 0.01, "N/m": 0.01}
@@ -240,10 +241,8 @@ def in_millimetres(of: Run | Table | Iterable[str]) -> bool:
     (True, False)
     """
     if isinstance(of, Run):
-        return in_millimetres(of._spec)
-    if isinstance(of, Table):
-        return in_millimetres(of.swept)
-    return any(name.endswith("_mm") for name in of)
+        return given_in_mm(of._spec)
+    return given_in_mm(of.swept if isinstance(of, Table) else of)
 
 
 def fields_of(*parts: Part | Absorber | None) -> list[str]:
