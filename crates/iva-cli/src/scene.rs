@@ -14,6 +14,7 @@ use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
 use crate::cell::short;
 use crate::layout::wrap;
 use crate::report::counted;
+use crate::shown::Shown;
 
 /// Approximate number of points that the printed ranges are taken from.
 const LOOKED_AT: u64 = 512;
@@ -57,7 +58,7 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     for line in forces(&designs, units) {
         let _ = writeln!(out, "{}", wrap(&line));
     }
-    let _ = writeln!(out, "{}", wrap(&start(&designs, units)));
+    let _ = writeln!(out, "{}", wrap(&start(&designs, Shown::of(study, units))));
     if let Some(line) = gravity(&designs, units) {
         let _ = writeln!(out, "{}", wrap(&line));
     }
@@ -169,13 +170,17 @@ fn absorber(
 }
 
 /// The line on the start: initial displacement of the structure, and the clearance.
-fn start(designs: &[Design], units: UnitSystem) -> String {
-    let unit = if units == UnitSystem::Si { " m" } else { "" };
-    let from = range(designs, |design| design.scene.primary().x);
+fn start(designs: &[Design], shown: Shown) -> String {
+    let unit = match shown.unit(Quantity::Length) {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let length = |value| shown.value(Quantity::Length, value);
+    let from = range(designs, |design| length(design.scene.primary().x));
     if designs.iter().all(|design| design.scene.count() != 1) {
         return format!("Start: displacement {from}{unit}");
     }
-    let clearance = range_of(designs, |absorber| absorber.clearance);
+    let clearance = range_of(designs, |absorber| length(absorber.clearance));
     if designs.iter().any(|design| design.scene.primary().x == 0.0) {
         return format!("Start: displacement {from}{unit}; clearance {clearance}{unit}");
     }
