@@ -172,7 +172,7 @@ PICTURES: dict[str, Draw] = {
     ),
     "decay, small": lambda ax: plots.decay(metric(1e-3), relative=False, ax=ax),
     "decay, short": lambda ax: plots.decay(metric(), relative=False, until=0.0123, ax=ax),
-    "decay, large": lambda ax: plots.decay(metric(1e3), relative=False, ax=ax),
+    "decay, large": lambda ax: plots.decay(metric(300.0), relative=False, ax=ax),
     "decay of several": lambda ax: plots.decay(several(5), ax=ax),
     "velocities": lambda ax: plots.velocities(metric(), ax=ax),
     "velocities, small": lambda ax: plots.velocities(metric(1e-3), ax=ax),

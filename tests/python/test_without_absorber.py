@@ -420,7 +420,8 @@ def test_words_of_a_pendulum_are_refused() -> None:
 def test_the_table_of_fields() -> None:
     assert _iva.fields("absorber", "none") == []
     names = [name for name, _, _ in _iva.fields("start", "none")]
-    assert names == ["displacement", "displacement_mm", "velocity", "time"]
+    shock = ["impulse", "impulse_velocity"]
+    assert names == ["displacement", "displacement_mm", "velocity", *shock, "time"]
     of_run = {name for name, _, _ in _iva.fields("run", "none")}
     assert of_run == {"periods", "duration", "cycles", "discard", "max_impacts", "max_work"}
 
