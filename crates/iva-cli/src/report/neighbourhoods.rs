@@ -126,6 +126,6 @@ mod tests {
         let unsorted = Axis::new("mass_ratio", vec![0.1, 0.3, 0.2]).unwrap();
         assert!(Neighbourhoods::of(&Sampling::Grid(vec![unsorted]), Better::Smaller).is_none());
         assert!(Neighbourhoods::of(&grid(&[2, 2]), Better::Smaller).is_none());
-        assert!(Neighbourhoods::of(&grid(&[3, 1]), Better::Smaller).is_some());
+        assert!(Neighbourhoods::of(&grid(&[3, 2]), Better::Smaller).is_some());
     }
 }
