@@ -97,6 +97,18 @@ def test_medians_of_what_is_missing() -> None:
         plots.heatmap(mapped(none), "settling_time_5", median_of=3)
 
 
+def test_what_never_settles_is_worse_than_what_does() -> None:
+    values = np.full((ROWS, COLUMNS), 5.0)
+    # Around the point: four that never settle, 5, 5, 5, 7, 7. Without the four the median is 5.
+    values[9, 9:12] = values[10, 9] = np.nan
+    values[10, 10] = values[11, 9] = 7.0
+    shown = colours(plots.heatmap(mapped(values), "settling_time_5", median_of=3))
+    assert shown[10, 10] == 7.0
+    values[11, 10] = np.nan  # five of nine
+    shown = colours(plots.heatmap(mapped(values), "settling_time_5", median_of=3))
+    assert np.isnan(shown[10, 10])
+
+
 def test_windows_are_odd() -> None:
     smooth, _ = valley()
     for wrong in (0, 2, -1, 2.5, float("inf")):

@@ -77,7 +77,8 @@ def heatmap(
     median_of : int, default 1
         How many points along each side of a window, an odd number: draw the median of the points
         around each one, 3 × 3 for 3, and its ridge. For measures that jump from point to point. At
-        the edges the window is cut; it is hatched where more than half of its points are null.
+        the edges the window is cut. Where `best` says what is good a null counts as worse than any
+        value, else it does not count; where half of a window or more is null it may be hatched.
     ax : matplotlib axes, optional
         Where to draw; axes of their own by default.
 
@@ -125,7 +126,7 @@ def heatmap(
     grid[row, column] = values
     steadied = points == 1 and min(grid.shape) >= FEWEST
     along = steady_ridge if steadied else ridge
-    grid = medians(grid, points)
+    grid = medians(grid, points, WORST[direction])
     best_rows = None if direction is None else along(rows, grid, direction)
     if np.isnan(grid).all():
         rule = "most values are null around every point; give 1"
@@ -181,6 +182,10 @@ def heatmap(
 def measured(value: str, of_median: str, unit: str) -> str:
     """Return what stands at the colours."""
     return of_column(value, unit) + of_median
+
+
+#: What a missing value counts as in a median, by what is good.
+WORST = {"min": np.inf, "max": -np.inf, None: np.nan}
 
 
 def direction_of(value: str, best: object) -> Literal["max", "min"] | None:
@@ -261,6 +266,6 @@ def ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Num
 
 def steady_ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
     """Return as :func:`ridge` what luck at single points moves little."""
-    best = ridge(rows, medians(grid, STEADY), direction)
+    best = ridge(rows, medians(grid, STEADY, WORST[direction]), direction)
     running: Numbers = medians(best[np.newaxis], STEADY)[0]
     return np.where(np.isnan(best), np.nan, running)
