@@ -262,6 +262,10 @@ def keeps_apart(axes: Axes) -> None:
         assert inside.containsx(box.x1)
         assert inside.containsy(box.y0)
         assert inside.containsy(box.y1), "the legend leaves the figure"
+    for text in (axes.xaxis.label, axes.yaxis.label):
+        box = text.get_window_extent()
+        assert inside.contains(box.x0, box.y0), f"{text.get_text()!r} leaves the figure"
+        assert inside.contains(box.x1, box.y1), f"{text.get_text()!r} leaves the figure"
     for each in figure.axes:
         ticks = [*labels(each.xaxis), *labels(each.yaxis)]
         if each is axes:

@@ -3,7 +3,13 @@
 Each function takes a run or the tables of a sweep and, as ``ax=…``, axes to draw on; without them
 it makes its own, one column wide (:func:`style`). It returns the axes, so that everything can be
 changed afterwards. Every axis has its symbol and unit; colours are those of Okabe and Ito, which
-everybody can tell apart.
+everybody can tell apart. The wall + is vermillion and the wall − is blue in every picture.
+
+Data coordinates are those of the tables, in SI units where those are. Tick labels and units of axes
+may have a prefix: lengths are in mm where they were given in mm or are all smaller than 0.1 m;
+m/s, m/s², J, N, N s and N/m have one where everything is smaller than 0.01, and all have one from
+10 000 on. ``axes.set_ylim(-0.005, 0.005)`` ends an axis of displacements at 5 mm, whether it is
+labelled in m or in mm.
 
 Needs matplotlib: ``pip install 'iva-dynamics[plots]'``.
 
