@@ -43,7 +43,7 @@ from iva.plots.designs import design
 from iva.plots.energy_split import energy
 from iva.plots.fits import fit
 from iva.plots.frequency_response import forced_response
-from iva.plots.histories import decay, velocities
+from iva.plots.histories import accelerations, decay, velocities
 from iva.plots.impact_raster import raster
 from iva.plots.maps import heatmap
 from iva.plots.moving_pictures import animate, animation
@@ -54,6 +54,7 @@ from iva.plots.steady_states import basins, diagram, section
 from iva.plots.styles import style
 
 __all__ = [
+    "accelerations",
     "animate",
     "animation",
     "basins",
