@@ -177,6 +177,9 @@ PICTURES: dict[str, Draw] = {
     "velocities": lambda ax: plots.velocities(metric(), ax=ax),
     "velocities, small": lambda ax: plots.velocities(metric(1e-3), ax=ax),
     "velocities of several": lambda ax: plots.velocities(several(8), ax=ax),
+    "accelerations": lambda ax: plots.accelerations(metric(), ax=ax),
+    "accelerations, small": lambda ax: plots.accelerations(metric(1e-4), ax=ax),
+    "accelerations of several": lambda ax: plots.accelerations(several(8), ax=ax),
     "phase": lambda ax: plots.phase(metric(), ax=ax),
     "phase of the gap": lambda ax: plots.phase(metric(), relative=True, ax=ax),
     "phase of several": lambda ax: plots.phase(several(5), ax=ax),
@@ -262,6 +265,10 @@ def keeps_apart(axes: Axes) -> None:
         assert inside.containsx(box.x1)
         assert inside.containsy(box.y0)
         assert inside.containsy(box.y1), "the legend leaves the figure"
+    for name in (axes.xaxis.label, axes.yaxis.label):
+        box = name.get_window_extent()
+        assert inside.contains(box.x0, box.y0), f"{name.get_text()!r} leaves the figure"
+        assert inside.contains(box.x1, box.y1), f"{name.get_text()!r} leaves the figure"
     for each in figure.axes:
         ticks = [*labels(each.xaxis), *labels(each.yaxis)]
         if each is axes:

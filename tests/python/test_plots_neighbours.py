@@ -69,6 +69,18 @@ def test_luck_does_not_move_a_ridge() -> None:
     assert np.abs(raw - rows[ROWS // 2]).max() > 5 * (rows[1] - rows[0]), "luck does"
 
 
+def test_the_ridge_of_what_is_robust_is_left_as_it_is() -> None:
+    _, lucky = valley()
+    raw = mapped(lucky)
+    frame = raw.summary.rename({"settling_time_5": "settling_time_5_q90"})
+    judged = iva.Table(raw.swept, raw.units, iva.frames.Frames({"summary": lambda: frame}))
+    axes = plots.heatmap(judged, "settling_time_5_q90")
+    _, ridge = line(axes, "smallest at each γ")
+    assert ridge.tolist() == np.linspace(0.05, 0.2, ROWS)[lucky.argmin(axis=0)].tolist()
+    label = figure_of(axes).axes[1].get_ylabel()
+    assert label == "5 % settling time ωₙt₅\n90 % of the neighbours"
+
+
 def test_a_map_of_medians_and_its_ridge() -> None:
     smooth, lucky = valley()
     axes = plots.heatmap(mapped(lucky), "settling_time_5", median_of=3)

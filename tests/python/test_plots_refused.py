@@ -40,7 +40,14 @@ def with_values(table: iva.Table, **columns: list[float | None]) -> iva.Table:
 
 def test_runs_that_cannot_be_drawn(run: iva.Run, metric: iva.Run, table: iva.Table) -> None:
     anything: Any = table
-    for draw in (plots.decay, plots.velocities, plots.phase, plots.energy, plots.animation):
+    for draw in (
+        plots.decay,
+        plots.velocities,
+        plots.accelerations,
+        plots.phase,
+        plots.energy,
+        plots.animation,
+    ):
         wrong(lambda draw=draw: draw(anything), TypeError, "run = Table over")  # type: ignore[misc]
     wrong(lambda: plots.decay(run, until=0.0), ValueError, "until = 0.0: give a time greater")
     wrong(lambda: plots.decay(run, until="all"), TypeError, "until = 'all': give a number")  # type: ignore[arg-type]

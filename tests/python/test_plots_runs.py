@@ -177,3 +177,49 @@ def test_phase_plane(scene: str, relative: bool, request: pytest.FixtureRequest)
     unit = "unit of x₀" if scene == "run" else "mm"
     words = "gap displacement y" if relative else "displacement x"
     assert axes.get_xlabel() == f"{words} ({unit})"
+
+
+@pytest.mark.parametrize("scene", ["run", "metric", "pendulum"])
+def test_accelerations_are_those_of_the_trajectory(
+    scene: str, request: pytest.FixtureRequest
+) -> None:
+    run: iva.Run = request.getfixturevalue(scene)
+    axes = plots.accelerations(run)
+    motion = run.trajectory()
+    for label, name in (("structure a", "acceleration"), ("absorber a₁", "absorber_acceleration")):
+        time, values = line(axes, label)
+        lifted = np.isnan(values)
+        assert lifted.sum() == run.impacts.height, "no line joins what an impact parts"
+        assert time[lifted].tolist() == run.impacts["time"].to_list()
+        assert values[~lifted].tolist() == motion[name].to_list()
+    for wall, label in ((1, "impacts, wall +"), (-1, "impacts, wall −")):
+        side = run.impacts.filter(pl.col("wall") == wall)
+        assert line(axes, label)[0].tolist() == side["time"].to_list()
+    unit = "(unit of x₀ · ωₙ²)" if scene == "run" else "(m/s²)"
+    assert axes.get_ylabel() == f"acceleration a, a₁ {unit}"
+
+
+def test_accelerations_have_the_base_in_them() -> None:
+    shaken = iva.simulate(
+        None,
+        iva.Primary(mass=3.0, stiffness=12_000.0, damping=2.0),
+        start=iva.Start(),
+        force=iva.Harmonic(base_acceleration=2.0, frequency_hz=5.0),
+        duration=1.0,
+    )
+    axes = plots.accelerations(shaken)
+    (drawn,) = axes.lines
+    motion = shaken.trajectory()
+    # From the balance of forces: only spring and damper act on the structure.
+    forces = -(12_000.0 * motion["displacement"] + 2.0 * motion["velocity"]).to_numpy()
+    assert np.asarray(drawn.get_ydata()) == pytest.approx(forces / 3.0, abs=1e-9)
+    assert axes.get_ylabel() == "acceleration a (m/s²)"
+
+
+def test_accelerations_of_a_run_without_impacts_in_its_tables() -> None:
+    few = decaying(iva.Siva(mass_ratio=0.1, clearance=0.6, restitution=0.5), tables=["envelope"])
+    with pytest.raises(ValueError, match="no table 'impacts'"):
+        plots.accelerations(few)
+    axes = plots.accelerations(few, impacts=False, until=5.0)
+    assert axes.get_xlim() == (0.0, 5.0)
+    assert [one.get_label() for one in axes.lines] == ["absorber a₁", "structure a"]

@@ -3,7 +3,13 @@
 Each function takes a run or the tables of a sweep and, as ``ax=…``, axes to draw on; without them
 it makes its own, one column wide (:func:`style`). It returns the axes, so that everything can be
 changed afterwards. Every axis has its symbol and unit; colours are those of Okabe and Ito, which
-everybody can tell apart.
+everybody can tell apart. The wall + is vermillion and the wall − is blue in every picture.
+
+Data coordinates are those of the tables, in SI units where those are. Tick labels and units of axes
+may have a prefix: lengths are in mm where they were given in mm or are all smaller than 0.1 m;
+m/s, m/s², J, N, N s and N/m have one where everything is smaller than 0.01, and all have one from
+10 000 on. ``axes.set_ylim(-0.005, 0.005)`` ends an axis of displacements at 5 mm, whether it is
+labelled in m or in mm.
 
 Needs matplotlib: ``pip install 'iva-dynamics[plots]'``.
 
@@ -37,7 +43,7 @@ from iva.plots.designs import design
 from iva.plots.energy_split import energy
 from iva.plots.fits import fit
 from iva.plots.frequency_response import forced_response
-from iva.plots.histories import decay, velocities
+from iva.plots.histories import accelerations, decay, velocities
 from iva.plots.impact_raster import raster
 from iva.plots.maps import heatmap
 from iva.plots.moving_pictures import animate, animation
@@ -48,6 +54,7 @@ from iva.plots.steady_states import basins, diagram, section
 from iva.plots.styles import style
 
 __all__ = [
+    "accelerations",
     "animate",
     "animation",
     "basins",

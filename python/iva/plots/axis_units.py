@@ -123,7 +123,7 @@ class Roomy(MaxNLocator):
         """Return the ticks between two values, the most of them that keep apart."""
         ticks: Any = None
         for bins in range(MOST, 0, -1):
-            self.set_params(nbins=bins)
+            self.set_params(nbins=bins, min_n_ticks=min(bins, 2))
             ticks = super().tick_values(vmin, vmax)
             if self.keeps_apart(ticks, abs(vmax - vmin)):
                 break
@@ -159,6 +159,8 @@ def name_axis(axis: Axis, words: Words, unit: str, *, millimetres: bool = False)
     """
     if not isinstance(axis, XAxis):
         keep_calm(axis)
+    # Broken into lines where it is longer than the figure.
+    axis.label.set_wrap(True)
     if isinstance(axis.get_major_locator(), AutoLocator):
         axis.set_major_locator(Roomy())
     formatter = axis.get_major_formatter()

@@ -1,8 +1,8 @@
-"""Motion over time: the decay of the structure, and the velocities of both masses."""
+"""Motion over time: the decay of the structure, velocities and accelerations of both masses."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from iva.design import design_of
 from iva.forces import Impulse, listed
 from iva.parameters import numbers, shown
-from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
+from iva.plots.arguments import Numbers, checked_run, frame_of, motion_of, values_of
 from iva.plots.axis_units import in_millimetres, name_axis
+from iva.plots.impact_ticks import impact_ticks
 from iva.plots.labels import labelled
 from iva.plots.legends import legend_above
 from iva.plots.level_labels import label_levels
@@ -23,8 +24,6 @@ from iva.plots.styles import (
     PURPLE,
     SKY_BLUE,
     STRUCTURE,
-    VERMILLION,
-    WALLS,
     drawing_on,
 )
 from iva.scenes import seen_with_absorbers
@@ -141,19 +140,7 @@ def decay(
                 )
         settle_lines(axes, run, levels, reference, scale, end)
         if hits is not None:
-            for wall, edge, name in ((1, 1.0, "wall +"), (-1, 0.0, "wall −")):
-                side = hits.filter((hits["wall"] == wall) & (hits["time"] <= end))
-                axes.plot(
-                    side["time"].to_numpy(),
-                    np.full(side.height, edge),
-                    linestyle="none",
-                    marker="|",
-                    markersize=6,
-                    markeredgewidth=0.7,
-                    color=WALLS[wall],
-                    transform=axes.get_xaxis_transform(),
-                    label=f"impacts, {name}",
-                )
+            impact_ticks(axes, hits, end)
         axes.set_xlim(motion["time"][0], end)
         axes.margins(y=0.08)
         name_axis(axes.xaxis, partial(labelled, "time", "t"), units["time"])
@@ -199,8 +186,8 @@ def reference_amplitude(run: Run) -> float:
     return start
 
 
-#: Colours of the absorbers of a run, one after the other.
-EACH = (ABSORBER, PURPLE, SKY_BLUE, GREEN, VERMILLION)
+#: Colours of the absorbers of a run, none that a wall has; after the last dashed from the first on.
+EACH = (ABSORBER, PURPLE, SKY_BLUE, GREEN)
 
 
 @spell_checked
@@ -246,21 +233,124 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
     """
-    motion, end = motion_of(checked_run(run, several=True, modes=True), until)
-    seen_with_absorbers(run)
+    seen_with_absorbers(checked_run(run, several=True, modes=True))
     units = run.units["trajectory"]
-    count = design_of(run).absorbers
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"
     with drawing_on(ax) as axes:
-        for place in range(count):
-            own, _ = motion_of(run, until, place)
+        for place, own in enumerate(own_motions(run, until)):
             velocity = own["velocity"] + design_of(run, place).lever * own["gap_velocity"]
-            name = "absorber ẋ₁" if count == 1 else f"absorber {place}"
-            colour = EACH[place % len(EACH)]
-            axes.plot(own["time"], velocity, color=colour, linewidth=0.8, label=name)
-        axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
-        axes.set_xlim(motion["time"][0], end)
-        name_axis(axes.xaxis, partial(labelled, "time", "t"), units["time"])
+            line_of_absorber(axes, run, place, own["time"], velocity, "ẋ₁")
+        line_of_structure(axes, run, until, "velocity", "ẋ")
         name_axis(axes.yaxis, partial(labelled, "velocity", symbols), units["velocity"])
         legend_above(axes)
     return axes
+
+
+@spell_checked
+def accelerations(
+    run: Run, *, until: float | None = None, impacts: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the absolute accelerations of structure and absorbers between impacts.
+
+    That of the base is included, where it moves: this is what an accelerometer on the structure
+    shows between impacts. An impact is an impulse: the acceleration at that instant is infinite and
+    is not drawn, and ticks at the edges say when it was. What an impact does is in
+    :func:`velocities`. Without absorber it is the acceleration of the structure alone.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    until : float, optional
+        Last instant to draw, in the unit of time of the run; all of it by default.
+    impacts : bool, default True
+        Draw a tick for every impact: wall + at the upper edge, wall − at the lower one. The run
+        needs its table ``impacts``. Without absorber there is none.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If `until` is not greater than 0, a table is missing, or the run sees its structure where
+        its absorbers are not.
+
+    Notes
+    -----
+    They are the columns ``acceleration`` and ``absorber_acceleration`` of ``run.trajectory()``. At
+    an impact both lines are broken, for there the accelerations on either side belong to different
+    velocities.
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass=0.3, restitution=0.6, gap_mm=5.0),
+    ...     iva.Primary(mass=3.0, stiffness=12_000.0),
+    ...     start=iva.Start(displacement_mm=4.0),
+    ...     duration=1.0,
+    ... )
+    >>> axes = accelerations(run, until=0.5)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('time t (s)', 'acceleration a, a₁ (m/s²)')
+    """
+    seen_with_absorbers(checked_run(run, several=True, modes=True))
+    truth("impacts", impacts)
+    hits = frame_of(run, "impacts") if impacts and run.absorber is not None else None
+    units = run.units["trajectory"]
+    symbols = "a" if run.absorber is None else "a, a₁"
+    with drawing_on(ax) as axes:
+        for place, own in enumerate(own_motions(run, until)):
+            time, values = broken(own["time"], own["absorber_acceleration"])
+            line_of_absorber(axes, run, place, time, values, "a₁")
+        end = line_of_structure(axes, run, until, "acceleration", "a", at_impacts=broken)
+        if hits is not None:
+            impact_ticks(axes, hits, end)
+        name_axis(axes.yaxis, partial(labelled, "acceleration", symbols), units["acceleration"])
+        legend_above(axes)
+    return axes
+
+
+def own_motions(run: Run, until: float | None) -> Iterator[Mapping[str, Numbers]]:
+    """Yield the motion of each absorber with both states of its own impacts."""
+    for place in range(design_of(run).absorbers):
+        yield motion_of(run, until, place)[0]
+
+
+def line_of_absorber(
+    axes: Axes, run: Run, place: int, time: Numbers, values: Numbers, symbol: str
+) -> None:
+    """Draw something of one absorber over time."""
+    name = f"absorber {symbol}" if design_of(run).absorbers == 1 else f"absorber {place}"
+    dashes, colour = divmod(place, len(EACH))
+    dashed = "-" if dashes == 0 else (0, (3, 1))
+    axes.plot(time, values, color=EACH[colour], linestyle=dashed, linewidth=0.8, label=name)
+
+
+def line_of_structure(
+    axes: Axes,
+    run: Run,
+    until: float | None,
+    column: str,
+    symbol: str,
+    at_impacts: Callable[[Numbers, Numbers], tuple[Numbers, Numbers]] | None = None,
+) -> float:
+    """Draw something of the structure over time, name that axis, and return the last instant."""
+    motion, end = motion_of(run, until)
+    time, values = motion["time"], motion[column]
+    drawn = (time, values) if at_impacts is None else at_impacts(time, values)
+    axes.plot(*drawn, color=STRUCTURE, label=f"structure {symbol}")
+    axes.set_xlim(time[0], end)
+    name_axis(axes.xaxis, partial(labelled, "time", "t"), run.units["trajectory"]["time"])
+    return end
+
+
+def broken(time: Numbers, values: Numbers) -> tuple[Numbers, Numbers]:
+    """Return a line that is lifted where time stands still: at impacts."""
+    jumps = np.flatnonzero(np.diff(time) == 0.0) + 1
+    return np.insert(time, jumps, time[jumps]), np.insert(values, jumps, np.nan)

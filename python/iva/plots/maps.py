@@ -67,7 +67,8 @@ def heatmap(
         is the best, of settling times, `residual_amplitude` and amplitudes the smallest, and others
         have no ridge. So that luck at single points does not make it zigzag, it is steadied where
         the grid has at least 8 values each way, and its legend says so: the best of the medians of
-        5 × 5 neighbours, and of that the running median over 5 values across.
+        5 × 5 neighbours, and of that the running median over 5 values across. That of a column of
+        :func:`iva.robust` is left as it is: its neighbours are in it.
     limits : {"robust", "all"} or (float, float), default "robust"
         The values at the ends of the colours, ``None`` for the smallest or largest there is.
         "robust": where `best` says what is good, the colours reach from the best value to three
@@ -124,7 +125,8 @@ def heatmap(
         )
     grid = np.full((rows.size, columns.size), np.nan)
     grid[row, column] = values
-    steadied = points == 1 and min(grid.shape) >= FEWEST
+    # What is judged together with its neighbours is no luck.
+    steadied = points == 1 and min(grid.shape) >= FEWEST and not judgement(value)[1]
     along = steady_ridge if steadied else ridge
     grid = medians(grid, points, WORST[direction])
     best_rows = None if direction is None else along(rows, grid, direction)
@@ -181,7 +183,8 @@ def heatmap(
 
 def measured(value: str, of_median: str, unit: str) -> str:
     """Return what stands at the colours."""
-    return of_column(value, unit) + of_median
+    base, judged = judgement(value)
+    return of_column(base, unit) + judged.replace(", ", "\n") + of_median
 
 
 #: What a missing value counts as in a median, by what is good.

@@ -25,6 +25,7 @@ from iva.forces import file_name
 from iva.parameters import number, shown
 from iva.plots.arguments import Numbers, checked_run, frame_of, limit, motion_of, values_of
 from iva.plots.axis_units import in_millimetres, name_axis
+from iva.plots.impact_ticks import impact_ticks
 from iva.plots.labels import labelled
 from iva.plots.scenery import scenery
 from iva.plots.styles import GREY, STRUCTURE, WALLS, style
@@ -203,17 +204,7 @@ def trace(
 ) -> tuple[Line2D, Line2D]:
     """Draw x(t) with all impacts; return the lines of what has passed, and of now."""
     axes.plot(motion["time"], motion["displacement"], color=GREY, linewidth=0.5)
-    for wall, edge in ((1, 1.0), (-1, 0.0)):
-        side = hits.filter(pl.col("wall") == wall)
-        axes.plot(
-            side["time"].to_numpy(),
-            np.full(side.height, edge),
-            linestyle="none",
-            marker="|",
-            markersize=6,
-            color=WALLS[wall],
-            transform=axes.get_xaxis_transform(),
-        )
+    impact_ticks(axes, hits, end)
     (past,) = axes.plot([], [], color=STRUCTURE)
     (now,) = axes.plot([], [], "o", color=STRUCTURE, markersize=4)
     units = run.units["trajectory"]
