@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist advisories clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -145,6 +145,9 @@ wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
 
 sdist: $(VENV)/.tools ## build the source distribution, install from it, try what was installed
 	$(PYTHON) .ci/sdist.py $(BIN)/maturin
+
+reproducible: $(VENV)/.tools ## build the wheel twice in two folders and compare; QUICK=--quick without the optimiser
+	$(PYTHON) .ci/reproducible.py $(QUICK) $(BIN)/maturin
 
 advisories: ## look for known weaknesses of the packages in the lock files (needs cargo-deny and a network)
 	for manifest in Cargo.toml crates/iva-wasm/Cargo.toml tests/fuzz/Cargo.toml; do \
