@@ -133,7 +133,12 @@ if not TYPE_CHECKING:  # checkers would believe in every name
         """Import a public name and keep it."""
         home = _HOMES.get(name)
         if home is None:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+            said = f"module {__name__!r} has no attribute {name!r}"
+            if not name.startswith("_"):
+                from iva.spelling import hint
+
+                said += hint(name, _HOMES)
+            raise AttributeError(said)
         from importlib import import_module
 
         module = import_module(f"{__name__}.{home}")

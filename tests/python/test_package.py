@@ -32,7 +32,7 @@ def test_every_name_can_be_imported_and_listed() -> None:
 
 
 def test_names_that_are_not_there() -> None:
-    with pytest.raises(AttributeError, match="module 'iva' has no attribute 'sweeep'"):
+    with pytest.raises(AttributeError, match="no attribute 'sweeep'; did you mean `sweep`"):
         getattr(iva, "sweeep")  # noqa: B009
     assert not hasattr(iva, "__wrapped__")
 
