@@ -65,6 +65,8 @@ def sketch(axes: Axes, run: iva.Run, *, alone: bool) -> None:
     else:
         drawn = scenery(axes, design_of(run), 1.0, 1.4)
         drawn.move(1.0, 0.0, 0.0)
+        for wall in (1, -1):
+            drawn.light(wall, 1.0)
 
 
 def history(axes: Axes, name: str, run: iva.Run) -> None:
