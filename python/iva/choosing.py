@@ -9,6 +9,7 @@ is read.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
 from typing import TYPE_CHECKING, TypeVar, cast, overload
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
     Frame = TypeVar("Frame", pl.DataFrame, pl.LazyFrame)
 
+#: The end of a column of :func:`robust`.
+JUDGED = re.compile(r"_(?:worst|q[0-9.]+)$")
+
 #: The first column behind the swept ones.
 BEHIND_SWEPT = "outcome"
 
@@ -31,7 +35,7 @@ BEHIND_SWEPT = "outcome"
 @spell_checked
 def best(
     table: Frame | Table,
-    by: str = "settling_time_5",
+    by: str | None = None,
     *,
     where: pl.Expr | Sequence[pl.Expr] | None = None,
     count: int = 10,
@@ -42,9 +46,11 @@ def best(
     ----------
     table : polars.DataFrame, polars.LazyFrame or Table
         Summary of a sweep, a row a point.
-    by : str
-        The column to rank by. Of damping ratios and `reduction` the largest is the best, of every
-        other the smallest. Points without a value (null: never settled) are left out.
+    by : str, optional
+        The column to rank by: by default ``settling_time_5``, and of what :func:`robust` returns
+        its last column, the strictest quantile. Of damping ratios and `reduction` the largest is
+        the best, of every other the smallest. Points without a value (null: never settled) are left
+        out.
     where : polars expression or a sequence of them, optional
         Only points of which these hold, for example ``pl.col("mass_ratio") < 0.1``.
     count : int
@@ -80,12 +86,15 @@ def best(
     import polars as pl
 
     frame = _frame(table)
+    if by is None:
+        judged = [name for name in frame.lazy().collect_schema().names() if JUDGED.search(name)]
+        by = judged[-1] if judged else "settling_time_5"
     _check(frame, by=[by])
     _check_count(count)
     chosen = frame.filter(pl.col(by).is_not_null() & pl.col(by).is_not_nan())
     for condition in _conditions(where):
         chosen = chosen.filter(condition)
-    larger = by in _iva.larger_is_better()
+    larger = JUDGED.sub("", by) in _iva.larger_is_better()
     return cast("Frame", chosen.sort(by, descending=larger, maintain_order=True).head(count))
 
 

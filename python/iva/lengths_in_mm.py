@@ -48,7 +48,7 @@ class RunInMm(RunTables):
 
     def __repr__(self) -> str:
         """Show the run and the units."""
-        return f"{self._run!r}\n  here: {self.units}"
+        return f"RunInMm of {self._run!r}\n  here: {self.units}"
 
 
 def scaled(frames: Frames, units: Units) -> Frames:

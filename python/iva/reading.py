@@ -113,6 +113,8 @@ def found_in(folder: str | os.PathLike[str], *, check: bool) -> Found:
     if not isinstance(check, bool):
         raise TypeError(f"check = {shown(check)}: give True or False")
     path = Path(folder)
+    if not path.exists():
+        raise ValueError(f"folder = {str(path)!r}: there is no such folder")
     if not path.is_dir():
         raise ValueError(f"folder = {str(path)!r}: give a folder that `iva sweep` wrote")
     if (path / EXCHANGE).exists():

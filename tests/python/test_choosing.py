@@ -179,3 +179,22 @@ def test_bad_input_gets_one_sentence(table: iva.Table) -> None:
         iva.robust(table, within={"mass_ratio": math.nan})
     with pytest.raises(ValueError, match="quantiles: 90 does not lie between 0 and 1"):
         iva.robust(table, within={"mass_ratio": 0.1}, quantiles=[90])
+
+
+def test_the_best_of_what_is_robust_is_by_its_last_column() -> None:
+    points = pl.DataFrame(
+        {
+            "point": [0, 1, 2, 3],
+            "gap": [1.0, 2.0, 3.0, 4.0],
+            "outcome": ["finished"] * 4,
+            "settling_time_5": [9.0, 1.0, 9.0, 5.0],
+            "damping_ratio_3": [0.1, 0.5, 0.1, 0.3],
+        }
+    )
+    judged = iva.robust(points, within={"gap": 1.0}, quantiles=[0.9])
+    assert iva.best(judged, count=1)["gap"].to_list() == [1.0]
+    assert iva.best(judged, "settling_time_5", count=1)["gap"].to_list() == [2.0]
+    assert iva.best(judged.drop("settling_time_5_q90"), count=1)["gap"].to_list() == [1.0]
+    larger = iva.robust(points, "damping_ratio_3", within={"gap": 1.0}, quantiles=[])
+    assert iva.best(larger)["damping_ratio_3_worst"].to_list() == [0.1] * 4
+    assert iva.best(points, count=1)["gap"].to_list() == [2.0]

@@ -78,6 +78,28 @@ def test_a_start_from_which_no_structure_swings() -> None:
     assert run(None, {"displacement": 4.0}, iva.Primary(mass=3e5, frequency_hz=0.3)) == []
 
 
+def test_a_shock() -> None:
+    # 0.1 m/s at 63.2 rad/s swing by 1.58 mm.
+    (said,) = run(siva(clearance=3.0), {"impulse_velocity": 0.1})
+    assert said.startswith(
+        "absorber.clearance = 3 m is 1897 times the swing of start.impulse_velocity = 0.1 m/s: "
+    )
+    (said,) = run(siva(clearance=3.0), {"impulse": 0.3})
+    assert "1897 times the swing of start.impulse = 0.3 N s: " in said
+    for fast in ({"impulse_velocity": 200.0}, {"velocity": -200.0}, {"impulse": 600.0}):
+        (said,) = run(siva(clearance=0.005), fast)
+        assert "sets the structure off with 200 m/s: speeds are in m/s" in said
+    (said,) = swept({"impulse_velocity": [0.1, 200.0, 300.0]}, {"displacement": 0.0}, gap_mm=5.0)
+    assert said.startswith("sweep.impulse_velocity = 200 m/s sets the structure off with 200 m/s")
+
+
+def test_metres_for_millimetres() -> None:
+    assert run(siva(gap_mm=0.005), {"displacement_mm": 4.0}) == [
+        "absorber.gap_mm = 0.005 mm is 800 times as small as start.displacement_mm = 4 mm: where "
+        "metres are meant, give gap"
+    ]
+
+
 def test_each_absorber_of_a_list() -> None:
     pair = [siva(gap=0.004), siva(gap=4.0)]
     (said,) = told(iva.simulate, pair, METRIC, start=iva.Start(displacement=0.004), duration=0.1)
@@ -111,7 +133,8 @@ MEANT: list[tuple[iva.Siva | None, dict[str, float]]] = [
     (siva(clearance=0.003), {"displacement": 1e-6}),  # a gap of 3 µm nobody means
     (siva(gap_mm=4000.0), {"displacement": 0.004}),
     (siva(clearance=1e6), {"displacement": 0.004}),  # without stops
-    (siva(clearance=3.0), {"velocity": 0.1}),
+    (siva(clearance=0.3), {"velocity": 0.1}),
+    (siva(clearance=3.0), {"displacement": 0.0}),
     (siva(relative_clearance=900.0), {"displacement": 0.004}),
     # On from another run, late in its decay.
     (siva(clearance=3.0), {"displacement": 0.001, "reference": 2.0, "time": 12.0}),

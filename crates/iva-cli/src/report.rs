@@ -10,7 +10,8 @@ use iva_study::report::Report;
 use iva_study::resolved::first_upper;
 use iva_sweep::choices::Kind;
 use iva_sweep::columns::{Better, Column, SUMMARY, ranked};
-use iva_sweep::fields::Quantity;
+use iva_sweep::fields::{Part, Quantity};
+use iva_sweep::sampling::Swept;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
@@ -215,13 +216,15 @@ impl BestPoints {
         if best.len() < 2 {
             return;
         }
+        let starts = if near.has_starts() { ", at any start" } else { "" };
         let heading = format!(
-            "Best {} by the worst {} among a point and those next to it on the axes:",
+            "Best {} by the worst {} among a point and those next to it on the axes{starts}:",
             best.len(),
             self.best_by
         );
         let _ = writeln!(out, "\n{}\n", wrap(&heading));
-        let mut table = swept(study, shown, best.iter().map(|(point, _)| *point));
+        let chosen = |swept: Swept<'_>| swept.slot.info().part != Part::Start;
+        let mut table = swept(study, shown, best.iter().map(|(point, _)| *point), chosen);
         let values = best.iter().map(|(_, value)| cell(Some(*value), self.ranked(), shown));
         let heading = format!("worst {}", self.best_by);
         table.push(&heading, shown.unit(self.ranked()), values.collect());
@@ -236,7 +239,7 @@ impl BestPoints {
     }
 
     fn table(&self, study: &Study, shown: Shown) -> TextTable {
-        let mut table = swept(study, shown, self.points());
+        let mut table = swept(study, shown, self.points(), |_| true);
         let values = self.rows.iter().map(|row| cell(row.value, self.ranked(), shown));
         table.push(self.best_by, shown.unit(self.ranked()), values.collect());
         for (position, column) in self.beside.iter().enumerate() {
@@ -248,13 +251,21 @@ impl BestPoints {
     }
 }
 
-/// A table of points with their swept values.
-fn swept(study: &Study, shown: Shown, points: impl Iterator<Item = u64>) -> TextTable {
+/// A table of points with those of their swept values that are told.
+fn swept(
+    study: &Study,
+    shown: Shown,
+    points: impl Iterator<Item = u64>,
+    told: impl Fn(Swept<'_>) -> bool,
+) -> TextTable {
     let mut table = TextTable::default();
     let points: Vec<u64> = points.collect();
     table.push_optional("point", "", points.iter().map(u64::to_string).collect());
     let rows: Vec<Vec<f64>> = points.iter().map(|point| study.swept(*point)).collect();
     for (position, swept) in study.sampling.keys().enumerate() {
+        if !told(swept) {
+            continue;
+        }
         let values: Vec<f64> = rows.iter().map(|values| values[position]).collect();
         let unit = shown.unit_of_axis(swept.slot.info().quantity);
         table.push(swept.key, unit, aligned(&values, 6));

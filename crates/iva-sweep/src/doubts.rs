@@ -19,6 +19,11 @@ const LEAST: f64 = 500.0;
 const MOST: f64 = 1e5;
 /// The least length in m that can be such a slip: fewer tenths of a millimetre are seldom given.
 const SHORTEST: f64 = 0.1;
+/// The largest gap in m that can be one in metres given as millimetres.
+const THINNEST: f64 = 1e-4;
+/// Fields that set the structure off with a speed.
+const PUSH: [FieldId; 3] =
+    [FieldId::Velocity, FieldId::StartImpulseVelocity, FieldId::StartImpulse];
 /// A structure that is let go and passes its rest faster than this, in m/s, has no start in metres.
 const FASTEST: f64 = 100.0;
 
@@ -57,8 +62,8 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// One sentence for each length of a scene in SI units that seems to be meant in millimetres: a gap and a start that
-/// differ as metres and millimetres do, or a start from which the structure would be faster than any machine.
+/// One sentence for each length of a scene in SI units that seems to be meant in another unit, or for a speed that no
+/// machine has: a gap and a start that differ as metres and millimetres do, or a structure that would be too fast.
 pub fn doubts(spec: &Spec, sampling: &Sampling) -> Vec<String> {
     let swept = |field: FieldId| sampling.keys().any(|key| key.slot.field == field);
     let has_mass = spec.structure().is_some()
@@ -68,32 +73,79 @@ pub fn doubts(spec: &Spec, sampling: &Sampling) -> Vec<String> {
     if !has_mass || spec.get(FieldId::Reference).is_some() {
         return Vec::new();
     }
-    let Some(start) = length(&START, 0, spec, sampling) else { return Vec::new() };
-    let mut gaps = (0..spec.count()).filter_map(|k| length(&GAP, k, spec, sampling));
-    let unlike = gaps.find_map(|gap| unlike(&gap, &start));
     let given = if spec.structure().is_some() { "a structure" } else { "the primary mass" };
-    let told = |(large, doubt): (&Length, String)| {
-        let name = large.slot.info().name;
-        format!(
-            "{} {doubt}: lengths are in metres where {given} is given; where millimetres are meant, give {name}_mm",
-            large.told()
-        )
-    };
-    match unlike {
-        Some((large, doubt)) => vec![told((&large.unwrap_or(start), doubt))],
-        None => too_fast(&start, spec).map(|doubt| told((&start, doubt))).into_iter().collect(),
+    let start = length(&START, 0, spec, sampling).filter(|start| start.value != 0.0);
+    let push = push(spec, sampling);
+    if let Some((told, speed)) = push.as_ref().filter(|(_, speed)| *speed > FASTEST) {
+        return vec![format!(
+            "{told} sets the structure off with {speed:.0} m/s: speeds are in m/s where {given} is given"
+        )];
     }
+    // How far the structure swings: in m, and by what it is given.
+    let far = match (&start, push) {
+        (Some(start), _) => Some((start.metres(), start.told())),
+        (None, Some((told, speed))) => {
+            rate(spec).map(|rate| (speed / rate, format!("the swing of {told}")))
+        }
+        (None, None) => None,
+    };
+    let Some((far, by)) = far.filter(|(far, _)| *far > 0.0) else { return Vec::new() };
+    for gap in (0..spec.count()).filter_map(|k| length(&GAP, k, spec, sampling)) {
+        let (size, name) = (gap.metres(), gap.slot.info().name);
+        let slip = |times: f64| (LEAST..=MOST).contains(&times);
+        if gap.is_metric() && size >= SHORTEST && slip(size / far) {
+            let doubt = format!("{} is {:.0} times {by}", gap.told(), size / far);
+            return vec![in_metres(&doubt, given, name)];
+        }
+        if !gap.is_metric() && size > 0.0 && size <= THINNEST && slip(far / size) {
+            let name = name.trim_end_matches("_mm");
+            return vec![format!(
+                "{} is {:.0} times as small as {by}: where metres are meant, give {name}",
+                gap.told(),
+                far / size
+            )];
+        }
+        if let Some(start) = start.as_ref().filter(|start| start.is_metric())
+            && far >= SHORTEST
+            && slip(far / size)
+        {
+            let doubt = format!("{by} is {:.0} times {}", far / size, gap.told());
+            return vec![in_metres(&doubt, given, start.slot.info().name)];
+        }
+    }
+    let doubt = |start: &Length| {
+        let doubt = format!("{} {}", start.told(), too_fast(start, spec)?);
+        Some(in_metres(&doubt, given, start.slot.info().name))
+    };
+    start.as_ref().and_then(doubt).into_iter().collect()
 }
 
-/// The larger of gap and start, `None` for the start, and how it compares with the other, if that is a slip.
-fn unlike(gap: &Length, start: &Length) -> Option<(Option<Length>, String)> {
-    let gap_is_large = gap.metres() > start.metres();
-    let (large, small) = if gap_is_large { (gap, start) } else { (start, gap) };
-    let possible = large.is_metric() && large.metres() >= SHORTEST && small.metres() > 0.0;
-    let times = large.metres() / small.metres();
-    (possible && (LEAST..=MOST).contains(&times)).then(|| {
-        let large = Length { slot: gap.slot, value: gap.value, is_swept: gap.is_swept };
-        (gap_is_large.then_some(large), format!("is {times:.0} times {}", small.told()))
+/// A doubt about a length in metres, with the field that takes millimetres.
+fn in_metres(doubt: &str, given: &str, name: &str) -> String {
+    format!(
+        "{doubt}: lengths are in metres where {given} is given; where millimetres are meant, give {name}_mm"
+    )
+}
+
+/// The natural frequency, where the scene has SI units.
+fn rate(spec: &Spec) -> Option<f64> {
+    let (scale, units) = Given::<f64>::new(spec).scale().ok()?;
+    (units == UnitSystem::Si).then_some(scale.natural_frequency)
+}
+
+/// What sets the structure off, in words, and the speed that this gives it, in m/s.
+fn push(spec: &Spec, sampling: &Sampling) -> Option<(String, f64)> {
+    let mass = spec.get(FieldId::PrimaryMass);
+    PUSH.into_iter().find_map(|field| {
+        let swept = middles(sampling).find(|(slot, _)| slot.field == field);
+        let value = swept.map(|(_, value)| value).or_else(|| spec.get(field))?;
+        let (speed, unit) = match field {
+            FieldId::StartImpulse => (value / mass?, "N s"),
+            _ => (value, "m/s"),
+        };
+        let path =
+            if swept.is_some() { format!("sweep.{}", field.info().name) } else { field.path() };
+        Some((format!("{path} = {} {unit}", number(rounded(value))), speed.abs()))
     })
 }
 
@@ -102,10 +154,8 @@ fn too_fast(start: &Length, spec: &Spec) -> Option<String> {
     if !start.is_metric() || start.metres() < SHORTEST {
         return None;
     }
-    let (scale, units) = Given::<f64>::new(spec).scale().ok()?;
-    let speed = start.metres() * scale.natural_frequency;
-    (units == UnitSystem::Si && speed > FASTEST)
-        .then(|| format!("swings through its rest with {speed:.0} m/s"))
+    let speed = start.metres() * rate(spec)?;
+    (speed > FASTEST).then(|| format!("swings through its rest with {speed:.0} m/s"))
 }
 
 /// The length that one of some fields gives, of the absorber of this number or of the start. An axis replaces all of

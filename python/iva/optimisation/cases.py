@@ -162,6 +162,9 @@ def uncertain_of(over: object, off: object, chosen: Iterable[str]) -> Uncertain:
                 f"over[{key!r}] = {shown(given)}: give a distribution of iva.sampling, or a list "
                 "of values that are equally likely"
             )
+        if isinstance(given, tuple) and len(given) == 2:
+            rule = "for a range give iva.sampling.Uniform, for two cases a list"
+            raise ValueError(f"over[{key!r}] = {shown(given)}: {rule}")
         values = np.array(numbers(f"over[{key!r}]", given))
         if not values.size:
             raise ValueError(f"over[{key!r}] = []: give at least one value")

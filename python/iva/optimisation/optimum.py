@@ -51,8 +51,9 @@ class Optimum:
         believed: mostly better, because luck is chosen as well). Empty if the search was stopped
         before.
     as_good : polars.DataFrame
-        Designs that fresh cases cannot tell from the best, which is the first row: the tolerance
-        that a workshop gets. Columns as in `table`. For several goals the best alone.
+        Designs that fresh cases cannot tell from the best, which is the first row, and whose own
+        value lies within its interval: the tolerance that a workshop gets. Columns as in `table`.
+        For several goals the best alone.
     front : polars.DataFrame
         For several goals: the designs that no other beats, by fresh cases; columns as in `table`.
         Empty for one goal.
@@ -154,6 +155,22 @@ class Optimum:
         evaluation.extend([again], draws, 1 if problem.is_certain else count)
         return of_fresh(evaluation, again, None)
 
+    def at_ends(self) -> dict[str, str]:
+        """Return which chosen fields of the best are at the ``lower end`` or ``upper end``.
+
+        There a wider range of choices may have a better design.
+        """
+        found = {}
+        for key, choice in self._problem.variants[self.best_absorber].choices.items():
+            value, sizes = self.best[key], sorted(choice.sizes)
+            low, high = (sizes[0], sizes[-1]) if sizes else (choice.low, choice.high)
+            close = 0.0 if sizes else 0.01 * (high - low)
+            if value >= high - close:
+                found[key] = "upper end"
+            elif value <= low + close:
+                found[key] = "lower end"
+        return found
+
     def __repr__(self) -> str:
         """Say the best, what it is worth, and what does as well."""
         cases = max(self.fresh["cases"].to_list(), default=0)
@@ -164,6 +181,11 @@ class Optimum:
         if len(self._problem.variants) > 1:
             lines[-1] += f" ({self._problem.variants[self.best_absorber].label})"
         lines += [f"  {sentence(row)}" for row in self.fresh.iter_rows(named=True)]
+        if any(row["value"] is None for row in self.fresh.iter_rows(named=True)):
+            lines.append(
+                "  a measure is missing in too many cases: make the run longer, or take another"
+            )
+        lines += [f"  {key} is at the {end} of its choices" for key, end in self.at_ends().items()]
         if self.fresh.is_empty():
             lines.append("  not judged by fresh cases: the search was stopped before")
         if self.as_good.height > 1:
@@ -187,7 +209,7 @@ def sentence(row: dict[str, Any]) -> str:
     if row["bound"] is not None:
         text += f", bound {row['bound']:g} {'kept' if row['kept'] else 'NOT KEPT'}"
     if row["missing"]:
-        text += f"; missing in {100 * row['missing']:.2g} % of the cases, which count as worst"
+        text += f"; missing in {100 * row['missing']:.3g} % of the cases, which count as worst"
     return text
 
 

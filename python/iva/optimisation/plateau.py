@@ -1,7 +1,9 @@
 """The plateau: designs that cannot be told from the best.
 
 They are compared with it by fresh cases, which none of them was chosen by, and in pairs: both under
-the same cases. What is resampled is the cases.
+the same cases. What is resampled is the cases. Where one case in ten decides, few cases hardly tell
+a design that fails in all of these from one that does not; so a design of the plateau must be as
+good as the best may be, too: its own value must lie within the interval of the best.
 """
 
 from __future__ import annotations
@@ -55,7 +57,8 @@ def told_apart(
     """Return for each design whether it is worse than the best, as far as its cases tell.
 
     Worse with 95 %: in that share of the resamples of the cases the best is better. A design that
-    passes a bound, which the best keeps, is worse as well.
+    passes a bound, which the best keeps, is worse as well, and so is one whose value lies beyond
+    the interval of the best.
     """
     problem = evaluation.problem
     column = problem.goals[0].column
@@ -65,6 +68,9 @@ def told_apart(
     kept = evaluation.passed(evaluation.numbers(best, slice(0, others[0].cases))) if others else 0.0
     picked = rng.integers(others[0].cases, size=(RESAMPLES, others[0].cases)) if others else None
     of_best = None if place is None else problem.criterion.of(best.bad[place][picked])
+    worst = math.inf
+    if place is not None and others and others[0].cases > 1:
+        worst = problem.criterion.interval(best.bad[place][: others[0].cases])[1]
     for other in others:
         passed = evaluation.passed(evaluation.numbers(other))
         if passed > kept:
@@ -72,8 +78,9 @@ def told_apart(
         elif place is None or of_best is None:
             found.append(bool(other.values != best.values))
         else:
+            own = float(problem.criterion.of(other.bad[place]))
             of_other = problem.criterion.of(other.bad[place][picked])
-            found.append(bool(lowest_difference(of_other, of_best) > 0))
+            found.append(own > worst or bool(lowest_difference(of_other, of_best) > 0))
     return found
 
 

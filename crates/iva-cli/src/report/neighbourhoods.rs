@@ -1,7 +1,9 @@
 //! The values of a grid, each judged by the worst among its neighbours: what a small change of any swept quantity may
-//! cost.
+//! cost. A design does not choose its start, so on an axis of the start all values are neighbours.
 
+use iva_sweep::axis::Axis;
 use iva_sweep::columns::Better;
+use iva_sweep::fields::Part;
 use iva_sweep::sampling::Sampling;
 
 /// Largest number of points whose values are kept, at 8 bytes each.
@@ -10,8 +12,8 @@ const MOST: u64 = 10_000_000;
 /// The values of all points of a grid.
 #[derive(Debug)]
 pub(super) struct Neighbourhoods {
-    /// Numbers of values of the axes, the last varying fastest.
-    lengths: Vec<usize>,
+    /// For each axis its number of values, and whether all of them are neighbours; the last varies fastest.
+    axes: Vec<(usize, bool)>,
     better: Better,
     /// For each point a number that is the larger the worse it is; infinite for one without a value.
     badness: Vec<f64>,
@@ -25,12 +27,12 @@ impl Neighbourhoods {
         let points = sampling.points().ok().filter(|points| *points <= MOST)?;
         let in_order =
             |values: &[f64]| values.is_sorted_by(|a, b| a < b) || values.is_sorted_by(|a, b| a > b);
-        let wide = axes.iter().any(|axis| axis.values.len() > 2);
+        let wide = axes.iter().any(|axis| axis.values.len() > 2 && !is_of_start(axis));
         if !wide || !axes.iter().all(|axis| in_order(&axis.values)) {
             return None;
         }
-        let lengths = axes.iter().map(|axis| axis.values.len()).collect();
-        Some(Self { lengths, better, badness: vec![f64::INFINITY; points as usize] })
+        let axes = axes.iter().map(|axis| (axis.values.len(), is_of_start(axis))).collect();
+        Some(Self { axes, better, badness: vec![f64::INFINITY; points as usize] })
     }
 
     /// Sets the value of a point; one without stays worse than any other.
@@ -43,30 +45,53 @@ impl Neighbourhoods {
         }
     }
 
+    /// True if it has an axis of the start.
+    pub fn has_starts(&self) -> bool {
+        self.axes.iter().any(|(_, is_of_start)| *is_of_start)
+    }
+
     /// The points with the best neighbourhoods, the best first, each with the worst value among itself and those next
-    /// to it on the axes. Neighbourhoods with a point without a value are left out.
+    /// to it on the axes, at any start. Of points that differ in their start alone there is the first. Neighbourhoods
+    /// with a point without a value are left out.
     pub fn best(&self, count: usize) -> Vec<(u64, f64)> {
         let mut worst: Vec<(u64, f64)> = (0..).zip(self.worst()).collect();
-        worst.retain(|(_, value)| value.is_finite());
+        worst.retain(|(point, value)| value.is_finite() && self.is_first_start(*point as usize));
         worst.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         worst.truncate(count);
         let sign = if self.better == Better::Larger { -1.0 } else { 1.0 };
         worst.into_iter().map(|(point, value)| (point, sign * value)).collect()
     }
 
-    /// The largest badness in each neighbourhood: that of three neighbours on one axis after the other.
+    /// True for the first of the points that differ in their start alone.
+    fn is_first_start(&self, point: usize) -> bool {
+        let mut stride = 1;
+        self.axes.iter().rev().all(|(length, is_of_start)| {
+            let place = point / stride % length;
+            stride *= length;
+            !is_of_start || place == 0
+        })
+    }
+
+    /// The largest badness in each neighbourhood, of those that differ in their start for the first of them: that of the
+    /// neighbours on one axis after the other.
     fn worst(&self) -> Vec<f64> {
         let mut values = self.badness.clone();
         let mut stride = 1;
-        for length in self.lengths.iter().rev() {
+        for (length, is_of_start) in self.axes.iter().rev() {
             let before = values.clone();
-            for (index, value) in values.iter_mut().enumerate() {
+            for (index, value) in before.iter().enumerate() {
                 let place = index / stride % length;
-                if place > 0 {
-                    *value = value.max(before[index - stride]);
-                }
-                if place + 1 < *length {
-                    *value = value.max(before[index + stride]);
+                if *is_of_start {
+                    // The first of a line collects the worst of all.
+                    let first = &mut values[index - place * stride];
+                    *first = first.max(*value);
+                } else {
+                    if place > 0 {
+                        values[index - stride] = values[index - stride].max(*value);
+                    }
+                    if place + 1 < *length {
+                        values[index + stride] = values[index + stride].max(*value);
+                    }
                 }
             }
             stride *= length;
@@ -75,10 +100,13 @@ impl Neighbourhoods {
     }
 }
 
+/// True for an axis of the start, which a design does not choose.
+pub(super) fn is_of_start(axis: &Axis) -> bool {
+    axis.slot.info().part == Part::Start
+}
+
 #[cfg(test)]
 mod tests {
-    use iva_sweep::axis::Axis;
-
     use super::*;
 
     fn grid(lengths: &[u64]) -> Sampling {
@@ -119,6 +147,19 @@ mod tests {
             kept.set(point, Some(value));
         }
         assert_eq!(kept.best(1), [(4, 3.0)]);
+    }
+
+    #[test]
+    fn a_design_is_judged_at_its_worst_start() {
+        let axes = [("gap", 3), ("displacement", 2)]
+            .map(|(key, count)| Axis::linspace(key, 1.0, 2.0, count).unwrap());
+        let mut kept = Neighbourhoods::of(&Sampling::Grid(axes.to_vec()), Better::Smaller).unwrap();
+        // The last gap is the best at the first start, and bad at the other.
+        for (point, value) in (0..).zip([4.0, 5.0, 3.0, 6.0, 1.0, 9.0]) {
+            kept.set(point, Some(value));
+        }
+        assert!(kept.has_starts());
+        assert_eq!(kept.best(9), [(0, 6.0), (2, 9.0), (4, 9.0)]);
     }
 
     #[test]
