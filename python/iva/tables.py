@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from iva._iva import visible
@@ -89,6 +90,53 @@ class Table:
             )
             raise AttributeError(f"no table {name!r}, only {there}: {advice}")
         return self._frames[name]
+
+    def filter(self, *conditions: pl.Expr) -> Table:
+        """Return the points of which some conditions hold, to draw or to judge a part of a sweep.
+
+        Parameters
+        ----------
+        *conditions : polars expressions
+            Of columns of the summary, for example ``pl.col("restitution") == 0.6``.
+
+        Returns
+        -------
+        Table
+            Swept over what still varies; all tables have the rows of these points.
+
+        Raises
+        ------
+        AttributeError
+            If there is no summary.
+        polars.exceptions.PolarsError
+            If there is no such column.
+
+        Examples
+        --------
+        >>> import polars as pl
+        >>> table = iva.sweep(
+        ...     iva.Siva(mass_ratio=0.1),
+        ...     iva.Primary(damping_ratio=0.01),
+        ...     over={"relative_clearance": [0.4, 0.6], "restitution": [0.5, 0.6, 0.7]},
+        ...     start=iva.Start(displacement=1.0),
+        ...     periods=20,
+        ... )
+        >>> part = table.filter(pl.col("restitution") == 0.6)
+        >>> part.swept, part.summary.height
+        (('relative_clearance',), 2)
+        """
+        kept = self.summary.filter(*conditions)
+        points = kept.select("point")
+
+        def source(name: str) -> Callable[[], pl.DataFrame]:
+            if name == "summary":
+                return lambda: kept
+            return lambda: self._frames[name].join(
+                points, on="point", how="semi", maintain_order="left"
+            )
+
+        varied = tuple(key for key in self.swept if kept[key].n_unique() > 1)
+        return Table(varied, self.units, Frames({name: source(name) for name in self.tables}))
 
     @property
     def in_mm(self) -> Table:

@@ -198,3 +198,21 @@ def test_the_best_of_what_is_robust_is_by_its_last_column() -> None:
     larger = iva.robust(points, "damping_ratio_3", within={"gap": 1.0}, quantiles=[])
     assert iva.best(larger)["damping_ratio_3_worst"].to_list() == [0.1] * 4
     assert iva.best(points, count=1)["gap"].to_list() == [2.0]
+
+
+def test_a_part_of_a_sweep_is_a_table() -> None:
+    table = iva.sweep(
+        iva.Siva(mass_ratio=0.1),
+        iva.Primary(damping_ratio=0.01),
+        over={"relative_clearance": [0.4, 0.6, 0.8], "restitution": [0.5, 0.7]},
+        start=iva.Start(displacement=1.0),
+        periods=10,
+        tables=("summary", "impacts"),
+    )
+    part = table.filter(pl.col("restitution") == 0.7, pl.col("relative_clearance") > 0.5)
+    assert part.swept == ("relative_clearance",)
+    assert part.summary.equals(table.summary[[3, 5]])
+    assert part.impacts.equals(table.impacts.filter(pl.col("point").is_in([3, 5])))
+    assert part.impacts.height > 2
+    assert part.units["summary"]["restitution"] == "1"
+    assert iva.robust(part, within={"relative_clearance": 0.2}).summary.height == 2

@@ -206,5 +206,5 @@ def once(rows: int, distinct: int, table: Table, axes: str) -> None:
         swept = ", ".join(table.swept)
         raise ValueError(
             f"{rows} points have {distinct} different values of {axes}: the table is swept over "
-            f"{swept}; sweep no more axes than are drawn"
+            f"{swept}; sweep no more axes than are drawn, or draw `table.filter(…)`"
         )

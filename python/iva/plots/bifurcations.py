@@ -42,6 +42,10 @@ COLUMNS = {
 }
 
 
+#: The axis of multipliers ends here unless all are smaller.
+MOST_MULTIPLIER = 10.0
+
+
 @spell_checked
 def branch(
     branches: Branch | Iterable[Branch],
@@ -57,7 +61,8 @@ def branch(
         Branches over the same number.
     y : str, default "amplitude"
         The column to draw: ``amplitude``, ``largest_multiplier``, ``grazing_margin`` or
-        ``approach_speed_min``.
+        ``approach_speed_min``. Multipliers are drawn up to 10, for they have no bound where an
+        impact vanishes; ``axes.set_ylim`` shows more or less of them.
     ax : matplotlib axes, optional
         Where to draw; axes of their own by default.
 
@@ -98,6 +103,8 @@ def branch(
             (axes.yaxis, partial(labelled, words, symbol), units.get(of, "")),
         ):
             name_axis(axis, label, unit, millimetres=in_mm)
+        if y == "largest_multiplier" and axes.get_ylim()[1] > MOST_MULTIPLIER:
+            axes.set_ylim(0.0, MOST_MULTIPLIER)
         axes.plot([], [], color=BLUE, label="stable")
         axes.plot([], [], color=GREY, linestyle="--", label="unstable")
         legend_above(axes)

@@ -74,11 +74,12 @@ def fit(
 
 def of_record(found: Fit, axes: Axes) -> None:
     """Draw what was measured, the band of the model, and the impacts."""
-    axes.plot(found.time, found.values, color="0.6", linewidth=0.6, label="measured")
+    # Wide and pale, so that it is seen on both sides of the model.
+    axes.plot(found.time, found.values, color="0.75", linewidth=2.0, label="measured")
     axes.fill_between(
-        found.time, found.low, found.high, color=CURVES[0], alpha=0.35, linewidth=0.0, label="model"
+        found.time, found.low, found.high, color=CURVES[0], alpha=0.35, linewidth=0.0, label="_90 %"
     )
-    axes.plot(found.time, found.prediction, color=CURVES[0], linewidth=0.7)
+    axes.plot(found.time, found.prediction, color=CURVES[0], linewidth=0.7, label="model")
     for wall, marker, place in ((1, "v", 0.98), (-1, "^", 0.02)):
         at = found.impacts.filter(found.impacts["wall"] == wall)["time"]
         axes.plot(
