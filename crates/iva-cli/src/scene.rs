@@ -55,7 +55,7 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
             let _ = writeln!(out, "{}", wrap(&pendulum(&units_of, units)));
         }
     }
-    for line in forces(&designs, units) {
+    for line in forces(&designs, units, Shown::of(study, units)) {
         let _ = writeln!(out, "{}", wrap(&line));
     }
     let _ = writeln!(out, "{}", wrap(&start(&designs, Shown::of(study, units))));
@@ -169,12 +169,17 @@ fn absorber(
     format!("Absorber{which}: {name}{divided}, {mass}, restitution {restitution}{minus}{clearance}")
 }
 
-/// The line on the start: initial displacement of the structure, and the clearance.
-fn start(designs: &[Design], shown: Shown) -> String {
-    let unit = match shown.unit(Quantity::Length) {
+/// The unit of a length behind its value, if it has one.
+fn in_words(shown: Shown) -> String {
+    match shown.unit(Quantity::Length) {
         "" => String::new(),
         unit => format!(" {unit}"),
-    };
+    }
+}
+
+/// The line on the start: initial displacement of the structure, and the clearance.
+fn start(designs: &[Design], shown: Shown) -> String {
+    let unit = in_words(shown);
     let length = |value| shown.value(Quantity::Length, value);
     let from = range(designs, |design| length(design.scene.primary().x));
     if designs.iter().all(|design| design.scene.count() != 1) {
@@ -269,18 +274,19 @@ fn span(low: f64, high: f64) -> String {
 
 /// The lines on forces: amplitude (as static displacement) and frequency of a harmonic force, extent
 /// and largest value of a record, number of impulses.
-fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
+fn forces(designs: &[Design], units: UnitSystem, shown: Shown) -> Vec<String> {
     let Some(first) = designs.first().and_then(|design| design.scene.force()) else {
         return Vec::new();
     };
     let mut lines = Vec::new();
     for number in 0..first.harmonics().len() {
-        let of = |read: fn(&Harmonic) -> f64| {
+        let of = |read: &dyn Fn(&Harmonic) -> f64| {
             let harmonic = |design: &Design| design.scene.force()?.harmonics().get(number).copied();
             range(designs, |design| harmonic(design).map_or(f64::NAN, |harmonic| read(&harmonic)))
         };
-        let amplitude = of(|harmonic| harmonic.amplitude.abs());
-        let frequency = of(|harmonic| harmonic.frequency);
+        let amplitude = of(&|harmonic| shown.value(Quantity::Length, harmonic.amplitude.abs()));
+        let length = in_words(shown);
+        let frequency = of(&|harmonic| harmonic.frequency);
         if designs.iter().all(|design| design.scene.has_modes()) {
             let acts = first.harmonics().get(number).map(|harmonic| harmonic.acts);
             let on = if acts == Some(Acts::Base) { "the base" } else { "the structure" };
@@ -288,8 +294,8 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
             continue;
         }
         lines.push(format!(
-            "Force: {frequency} of the natural frequency; held still, its amplitude would move the \
-             structure by {amplitude}"
+            "Force: {frequency} times the natural frequency; held still, its amplitude would move the \
+             structure by {amplitude}{length}"
         ));
     }
     let unit = units.unit(Quantity::Time);
