@@ -39,7 +39,8 @@ class Optimum:
     Parameters
     ----------
     best : dict of str to float
-        The chosen fields of the best design, in the units of their names.
+        The chosen fields of the best design, in the units of their names; for several goals of one
+        in the middle of the front.
     best_absorber : int
         Which of the absorbers it has: its place in the list, 0 for a single one.
     fresh : polars.DataFrame

@@ -31,7 +31,8 @@ def design(
     """Draw the designs that an optimisation tried, the best, and those that are as good.
 
     One chosen field: its value against what was minimised. Two or more: two of them, the value as
-    colour. Several goals: the front, in two of them.
+    colour. Several goals: the front, in two of them. What was tried stands where the few cases of
+    the search put it, with their luck; front and best stand where fresh cases put them.
 
     Parameters
     ----------
@@ -77,7 +78,9 @@ def design(
     with drawing_on(ax) as axes:
         across, up = values_of(tried[x]), values_of(tried[y])
         if value in (x, y):
-            axes.plot(across, up, ".", color="0.7", markersize=3, label="tried", zorder=1)
+            axes.plot(
+                across, up, ".", color="0.7", markersize=3, label="tried, few cases", zorder=1
+            )
         else:
             of_value = values_of(tried[value])
             low, high = limits(of_value, larger=found.maximised(value))
@@ -105,7 +108,7 @@ def design(
         best = found.as_good[:1]
         axes.plot(
             values_of(best[x]), values_of(best[y]), "*", color="black", markeredgecolor="white",
-            markersize=9, label="the best", zorder=3,
+            markersize=9, label="the best" if len(goals) == 1 else "in the middle", zorder=3,
         )  # fmt: skip
         for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
             words = partial(judged, name, f", {found.criterion}" if name == value else "")
