@@ -12,6 +12,22 @@ if TYPE_CHECKING:
 
     T = TypeVar("T", bound=Callable[..., Any])
 
+#: Symbols of the field → the name of the field.
+SYMBOLS = {
+    "c": "damping",
+    "d": "clearance",
+    "e": "restitution",
+    "fn": "frequency_hz",
+    "gamma": "relative_clearance",
+    "k": "stiffness",
+    "m": "mass",
+    "mu": "mass_ratio",
+    "omega": "natural_frequency",
+    "v0": "velocity",
+    "x0": "displacement",
+    "zeta": "damping_ratio",
+}
+
 #: So many columns are listed behind the one that was meant; the swept ones are the first of all.
 FEW = 8
 
@@ -25,6 +41,8 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     --------
     >>> nearest("freq", ["force", "frequency"]), nearest("restituton", ["restitution"])
     ('frequency', 'restitution')
+    >>> nearest("e", ["mass", "restitution", "clearance"])
+    'restitution'
     >>> nearest("zeta", ["mass", "damping"]) is None
     True
     """
@@ -32,7 +50,9 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     from difflib import get_close_matches
 
     small = name.lower()
-    names = {one.lower(): one for one in known}
+    if (meant := SYMBOLS.get(small)) in (listed := list(known)):
+        return meant
+    names = {one.lower(): one for one in listed}
     longer = [one for one in names if small and one.startswith(small)]
     near = get_close_matches(small, longer or names, n=1, cutoff=0.0 if longer else 0.6)
     return names[near[0]] if near else None
