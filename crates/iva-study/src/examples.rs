@@ -41,20 +41,40 @@ pub fn copy_into(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut missing = Vec::new();
     for (name, contents) in FILES {
         let path = folder.join(name);
-        match fs::read(&path) {
-            Ok(there) if there == *contents => {}
-            Ok(_) => return Err(Error::OtherContents { path }),
-            Err(reason) if reason.kind() == ErrorKind::NotFound => missing.push((path, contents)),
-            Err(reason) => return Err(fault("read", path, reason)),
+        if !is_there(&path, contents)? {
+            missing.push((path, contents));
         }
     }
     fs::create_dir_all(folder).map_err(|reason| fault("create", folder.to_owned(), reason))?;
     for (path, contents) in &missing {
-        File::create_new(path)
-            .and_then(|mut file| file.write_all(contents))
-            .map_err(|reason| fault("write", path.clone(), reason))?;
+        // Follows no link: what is there by now is an error.
+        let mut file =
+            File::create_new(path).map_err(|reason| fault("write", path.clone(), reason))?;
+        if let Err(reason) = file.write_all(contents) {
+            // Half a file would be taken for one of the user.
+            let _ = fs::remove_file(path);
+            return Err(fault("write", path.clone(), reason));
+        }
     }
     Ok(missing.into_iter().map(|(path, _)| path).collect())
+}
+
+/// True if a file with these contents is there, false if nothing is. Only a regular file of that size is opened, so that
+/// neither a pipe nor a device makes the program wait.
+///
+/// # Errors
+/// [`Error::OtherContents`] for anything else that is there; [`Error::Store`] if it cannot be read.
+fn is_there(path: &Path, contents: &[u8]) -> Result<bool, Error> {
+    let other = || Error::OtherContents { path: path.to_owned() };
+    match fs::symlink_metadata(path) {
+        Ok(found) if !found.is_file() || found.len() != contents.len() as u64 => Err(other()),
+        Ok(_) => match fs::read(path).map_err(|reason| fault("read", path.to_owned(), reason))? {
+            there if there == contents => Ok(true),
+            _ => Err(other()),
+        },
+        Err(reason) if reason.kind() == ErrorKind::NotFound => Ok(false),
+        Err(reason) => Err(fault("read", path.to_owned(), reason)),
+    }
 }
 
 fn fault(action: &'static str, path: PathBuf, source: std::io::Error) -> Error {
@@ -88,5 +108,24 @@ mod tests {
         assert!(error.is_bad_input() && error.to_string().contains("multi_unit.toml"), "{error}");
         assert_eq!(fs::read_to_string(folder.join("multi_unit.toml")).unwrap(), "mine");
         assert!(!folder.join("earthquake.toml").exists());
+    }
+    #[cfg(unix)]
+    #[test]
+    fn no_link_is_followed_and_no_pipe_opened() {
+        use std::os::unix::fs::symlink;
+        use std::process::Command;
+
+        let place = tempfile::tempdir().unwrap();
+        let (folder, outside) = (place.path().join("studies"), place.path().join("outside"));
+        fs::create_dir(&folder).unwrap();
+        let link = folder.join("decay.csv");
+        symlink(&outside, &link).unwrap();
+        assert!(copy_into(&folder).unwrap_err().is_bad_input());
+        fs::write(&outside, FILES[0].1).unwrap();
+        assert!(copy_into(&folder).unwrap_err().is_bad_input(), "not even to the same contents");
+        fs::remove_file(&link).unwrap();
+        assert!(Command::new("mkfifo").arg(&link).status().unwrap().success());
+        assert!(copy_into(&folder).unwrap_err().is_bad_input());
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "nothing was written");
     }
 }
