@@ -389,3 +389,24 @@ def test_pictures(found: iva.Optimum) -> None:
         iva.plots.design(found, x="gap_m")
     with pytest.raises(TypeError, match=r"give an iva\.Optimum, of iva\.optimise"):
         iva.plots.design(3)  # type: ignore[arg-type]
+
+
+def test_an_end_of_the_choices_and_a_run_too_short_are_said() -> None:
+    # A heavier mass takes more in each impact, and the lightest is the best by itself.
+    scene = (iva.Siva(restitution=0.6, relative_clearance=0.5), iva.Primary(damping_ratio=0.01))
+    choose = {"mass_ratio": (0.01, 0.03)}
+    start = iva.Start(displacement=1.0)
+    heavy = iva.optimise(
+        *scene, choose=choose, maximise="damping_ratio_1", start=start, periods=5, runs=500
+    )
+    assert heavy.best["mass_ratio"] > 0.0298
+    assert heavy.at_ends() == {"mass_ratio": "upper end"}
+    assert "mass_ratio is at the upper end of its choices" in repr(heavy)
+    light = iva.optimise(
+        *scene, choose=choose, minimise="mass_ratio", start=start, periods=5, runs=500
+    )
+    assert light.at_ends() == {"mass_ratio": "lower end"}
+    short = iva.optimise(
+        *scene, choose=choose, minimise="settling_time_2", start=start, periods=2, runs=500
+    )
+    assert "a measure is missing in too many cases: make the run longer" in repr(short)

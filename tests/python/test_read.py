@@ -301,3 +301,8 @@ def test_a_folder_in_the_middle_of_an_exchange_is_not_read(tmp_path: Path) -> No
     (folder / ".iva-new" / "exchange.json").write_text("{}")
     with pytest.raises(iva.IvaError, match="a process was killed while it replaced the tables"):
         iva.read(folder)
+
+
+def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"nothing': there is no such folder$"):
+        iva.read(tmp_path / "nothing")
