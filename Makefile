@@ -32,6 +32,7 @@ test: test-rust test-python ## prove that the code is right
 
 test-rust: $(VENV)/.tools ## the Rust half of `make test`
 	$(CARGO) test --locked --release
+	$(CARGO) test --locked --lib --package iva-core --package iva-sweep
 
 test-python: wheel ## the Python half of `make test`
 	$(BIN)/python -m pytest --numprocesses $(PYTEST_WORKERS) --dist loadfile

@@ -62,7 +62,7 @@ def main() -> int:
         return 0
     with_valgrind()
     build = ["cargo", "build", "--locked", "--release", "-p", "iva-benches", "--bin", "counted"]
-    flags = {**os.environ, "RUSTFLAGS": "-C no-vectorize-slp"}
+    flags = {**os.environ, "RUSTFLAGS": "-C target-cpu=x86-64-v3 -C no-vectorize-slp"}
     subprocess.run([*build, "--target-dir", TARGET], check=True, env=flags)
     tools = {"rustc": printed("rustc", "--version"), "valgrind": printed("valgrind", "--version")}
     start, *scenes = printed(str(PROGRAM)).split()

@@ -10,6 +10,7 @@ same flags by .github/workflows/wheels.yml.
 
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -42,6 +43,8 @@ def environment(folder: Path, quick: bool) -> dict[str, str]:
         (cargo / path.name).symlink_to(path)
     # Failures in packages name the file that they come from; paths of this project are relative.
     flags = [f"--remap-path-prefix={cargo}=/cargo"]
+    if platform.machine() in ("x86_64", "AMD64"):  # as in .cargo/config.toml, which they replace
+        flags.append("-Ctarget-cpu=x86-64-v3")
     variables = {key: value for key, value in os.environ.items() if "RUSTFLAGS" not in key}
     variables.pop("CARGO_TARGET_DIR", None)
     variables |= {"CARGO_HOME": str(cargo), "CARGO_ENCODED_RUSTFLAGS": "\x1f".join(flags)}

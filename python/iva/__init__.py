@@ -20,6 +20,10 @@ Examples
 1.164243
 """
 
+from iva.processor import require as _require
+
+_require()
+
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:

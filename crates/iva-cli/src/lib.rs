@@ -18,6 +18,7 @@ mod interrupt;
 mod layout;
 mod log;
 mod orbits;
+pub mod processor;
 mod progress;
 pub mod report;
 mod run_command;

@@ -11,7 +11,7 @@ use iva_study::study_file::{StudyFile, read_study};
 use iva_sweep::design::Spec;
 use iva_sweep::dynamics::branches::{Complex, Followed, Row, Special, Way, follow};
 use iva_sweep::dynamics::words::words;
-use iva_sweep::dynamics::{Asked, Found, orbit};
+use iva_sweep::dynamics::{Asked, Found, ToTwice, orbit};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::slot::Slot;
 use iva_sweep::units::UnitSystem;
@@ -52,6 +52,7 @@ pub(crate) fn unless_interrupted(cancel: &AtomicBool) -> Result<(), Error> {
 /// Finds the orbit that is asked for.
 fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
     let OrbitArgs { periods, settle, symmetric, verify, .. } = *args;
+    let verify = verify.then_some(iva_verify::exact_orbit as ToTwice);
     let asked = Asked { periods, symmetric: symmetric.then_some(true), settle, verify };
     let cancel = interrupt::listen();
     let answer = orbit(&file.study.spec, asked, cancel);

@@ -17,7 +17,7 @@ use iva_sweep::sampling::Sampling;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::{Control, Tables, Workers, sweep};
 use iva_sweep::tables::schema;
-use iva_sweep::verify::{Verification, verify};
+use iva_verify::{Verification, verify};
 use serde_json::json;
 
 use crate::args::RunPointArgs;

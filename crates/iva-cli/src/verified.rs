@@ -8,7 +8,7 @@ use iva_store::table_file::part_schema;
 use iva_sweep::columns::columns;
 use iva_sweep::study::Table;
 use iva_sweep::units::UnitSystem;
-use iva_sweep::verify::{Finding, Verification};
+use iva_verify::{Finding, Verification};
 
 use crate::cell::significant;
 use crate::error::Error;

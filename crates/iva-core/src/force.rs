@@ -78,7 +78,7 @@ impl<R: Real> Force<R> {
             if *time != 0.0 {
                 range::positive("force.time", *time)?;
             }
-            if !velocity.vanishes() {
+            if *velocity != 0.0 {
                 kicks.push(Kick { time: DoubleDouble::new(*time), velocity: *velocity });
             }
         }
@@ -107,7 +107,7 @@ impl<R: Real> Force<R> {
     /// Its impulses, in order of time.
     pub fn impulses(&self) -> impl Iterator<Item = Impulse<R>> + '_ {
         let impulse = |kick: &Kick<R>| Impulse { velocity: kick.velocity, time: kick.time.value };
-        self.kicks.iter().filter(|kick| !kick.velocity.vanishes()).map(impulse)
+        self.kicks.iter().filter(|kick| kick.velocity != 0.0).map(impulse)
     }
 
     /// True if there is no force at all.

@@ -26,7 +26,7 @@
 //!
 //! | room | what is in it |
 //! |---|---|
-//! | [`number`] | doubles, double-doubles, numbers with derivatives ([`real`]), arrays over lanes |
+//! | [`number`] | doubles, double-doubles, numbers with derivatives ([`real`]), arrays over lanes and the vectors of the machine |
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
 //! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`], [`segment::slide`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
@@ -86,6 +86,11 @@
 //! assert!((run.impacts[0].time - 0.4f64.acos()).abs() < 4e-16);
 //! # Ok::<(), iva_core::error::Invalid>(())
 //! ```
+
+// Elsewhere a fused multiply-add would be a call of the C library. Rustdoc, which is not told the baseline, compiles
+// no code.
+#[cfg(all(target_arch = "x86_64", not(target_feature = "fma"), not(doc)))]
+compile_error!("compile with RUSTFLAGS=-Ctarget-cpu=x86-64-v3, as .cargo/config.toml says");
 
 pub mod absorber;
 pub mod engine;

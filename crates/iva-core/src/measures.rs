@@ -17,6 +17,7 @@ pub(crate) use decay::{Sinusoids, Stretch, Stretches, height, in_motion, keeps, 
 pub(crate) use fit::Fit;
 pub(crate) use ledger::Ledger;
 
+pub mod bends;
 mod decay;
 pub mod extremes;
 mod fit;

@@ -1,4 +1,5 @@
-//! The numbers of a motion: doubles, double-doubles, numbers with derivatives, and arrays of them over lanes.
+//! The numbers of a motion: doubles, double-doubles, numbers with derivatives, arrays of them over
+//! lanes, and the vector instructions that lanes run in.
 
 pub(crate) mod arrays;
 pub mod clock;
@@ -7,3 +8,4 @@ pub mod real;
 pub(crate) mod root;
 pub mod series;
 pub(crate) mod trigonometry;
+pub(crate) mod vectors;

@@ -1,6 +1,7 @@
 //! Making runs: one alone ([`run`]), or many side by side in the lanes of vector instructions ([`side_by_side`]).
 //!
-//! A run that is alone goes through the event loop ([`crate::engine::simulate`]) with the usual observers. Many runs go
+//! A run that is alone goes through the event loop ([`crate::engine::simulate`]) with the usual observers, or with all
+//! that a study can ask for ([`observed`]). Many runs go
 //! through the same event loop, and lanes take over their simple flights: those of free masses (`run/free_mass.rs`),
 //! of free masses with a spring and a dashpot in their gap (`run/coupled.rs`), of lists of free masses (`run/several.rs`),
 //! and of pendulums (`run/piva.rs`). Which runs go in which lanes is said in `run/kinds.rs`.
@@ -14,6 +15,7 @@ pub(crate) mod free_mass;
 mod group;
 mod kinds;
 mod logged;
+pub mod observed;
 pub(crate) mod piva;
 mod running;
 mod several;

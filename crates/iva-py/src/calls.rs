@@ -10,7 +10,6 @@ use iva_sweep::choices::Choices;
 use iva_sweep::columns::{Better, columns, ranked};
 use iva_sweep::design::{Design, Spec};
 use iva_sweep::fields::{FieldId, Quantity};
-use iva_sweep::gradients as slopes;
 use iva_sweep::motion as paths;
 use iva_sweep::sampling::Sampling;
 use iva_sweep::scene::Angles;
@@ -18,7 +17,7 @@ use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{self as engine, SweepError};
 use iva_sweep::units::UnitSystem;
-use iva_sweep::verify as second;
+use iva_verify as exact;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -235,7 +234,7 @@ pub fn verify(
     tables: Option<Vec<String>>,
 ) -> PyResult<(Tables, Vec<Found>)> {
     let study = single(spec, measures, tables, false)?;
-    let verification = worker::run(py, None, move |shared| second::verify(&study, &shared.cancel))?;
+    let verification = worker::run(py, None, move |shared| exact::verify(&study, &shared.cancel))?;
     let findings = verification.findings.iter().map(|finding| {
         let (error, column) = finding.largest.unzip();
         let [rows, exact] = finding.rows;
@@ -244,7 +243,7 @@ pub fn verify(
     Ok((named(verification.errors), findings.collect()))
 }
 
-/// Runs one scene in numbers with a derivative; returns tables of derivatives.
+/// Derivatives of the results of one scene, by runs in numbers of twice the precision; returns tables of them.
 #[pyfunction]
 #[pyo3(signature = (spec, key, measures = None, tables = None))]
 pub fn gradients(
@@ -255,7 +254,7 @@ pub fn gradients(
     tables: Option<Vec<String>>,
 ) -> PyResult<Tables> {
     let study = single(spec, measures, tables, false)?;
-    worker::run(py, None, move |shared| slopes::gradients(&study, &key, &shared.cancel)).map(named)
+    worker::run(py, None, move |shared| exact::gradients(&study, &key, &shared.cancel)).map(named)
 }
 
 pub(crate) fn named(tables: engine::Tables) -> Tables {

@@ -1,7 +1,9 @@
 //! Periodic orbits for Python, in the user's units.
 
 use iva_sweep::dynamics::words::words;
-use iva_sweep::dynamics::{self as engine, Asked, Course, Found, Impact, State, StickEpisode};
+use iva_sweep::dynamics::{
+    self as engine, Asked, Course, Found, Impact, State, StickEpisode, ToTwice,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,6 +22,7 @@ pub fn orbit<'py>(
     verify: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let spec = arguments::spec(spec)?;
+    let verify = verify.then_some(iva_verify::exact_orbit as ToTwice);
     let asked = Asked { periods, symmetric, settle, verify };
     let work = move |shared: &worker::Shared| engine::orbit(&spec, asked, &shared.cancel);
     match worker::run_any(py, None, work)?.map_err(invalid)? {

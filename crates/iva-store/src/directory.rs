@@ -14,7 +14,6 @@ use cap_std::fs::{Dir, OpenOptions};
 
 use crate::error::Error;
 
-#[cfg(any(test, feature = "faults"))]
 pub mod faults;
 mod names;
 
@@ -372,9 +371,7 @@ impl Directory {
         act: impl FnOnce(&Dir) -> io::Result<T>,
     ) -> Result<T, Error> {
         let name = name.as_ref();
-        #[cfg(any(test, feature = "faults"))]
-        let act = |dir: &Dir| faults::next(&self.path).and_then(|()| act(dir));
-        act(&self.dir).map_err(|reason| {
+        faults::next(&self.path).and_then(|()| act(&self.dir)).map_err(|reason| {
             // Joining an empty name would add a separator.
             let path = if name == Path::new("") { self.path.clone() } else { self.path.join(name) };
             // The system's own message for a link is "too many levels of symbolic links".

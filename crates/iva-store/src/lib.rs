@@ -33,7 +33,7 @@ pub mod table_file;
 pub mod taken;
 mod visible;
 
-#[cfg(any(test, feature = "faults"))]
+#[doc(hidden)]
 pub use directory::faults;
 pub use error::Error;
 pub use visible::visible;

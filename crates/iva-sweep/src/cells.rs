@@ -5,13 +5,20 @@ use std::borrow::Cow;
 
 /// One value of a row.
 #[derive(Debug, Clone)]
-pub(crate) enum Cell<R = f64> {
+pub enum Cell<R = f64> {
+    /// The number of a point.
     Point(u32),
+    /// A number, in the user's unit.
     Number(R),
+    /// A whole number.
     Count(u64),
+    /// +1, −1 or 0: a wall, or none.
     Side(i8),
+    /// A text.
     Text(Cow<'static, str>),
+    /// A truth value.
     Flag(bool),
+    /// Nothing.
     Null,
 }
 
@@ -58,27 +65,27 @@ impl Counted for Option<u64> {
 /// Cells from values that may be missing.
 impl<R> Cell<R> {
     /// The number of a point, which [`Study::points`] ensures to be below 2³².
-    pub fn point(point: u64) -> Self {
+    pub(crate) fn point(point: u64) -> Self {
         Self::Point(point as u32)
     }
 
-    pub fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
+    pub(crate) fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
         value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
     }
 
-    pub fn count(value: impl Counted) -> Self {
+    pub(crate) fn count(value: impl Counted) -> Self {
         value.counted().map_or(Self::Null, Self::Count)
     }
 
-    pub fn side(value: impl Into<Option<i8>>) -> Self {
+    pub(crate) fn side(value: impl Into<Option<i8>>) -> Self {
         value.into().map_or(Self::Null, Self::Side)
     }
 
-    pub fn flag(value: impl Into<Option<bool>>) -> Self {
+    pub(crate) fn flag(value: impl Into<Option<bool>>) -> Self {
         value.into().map_or(Self::Null, Self::Flag)
     }
 
-    pub fn text(value: impl Word) -> Self {
+    pub(crate) fn text(value: impl Word) -> Self {
         value.word().map_or(Self::Null, Self::Text)
     }
 }

@@ -8,19 +8,21 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::Clock;
 use iva_core::error::Invalid;
+use iva_core::host::DrivenHost;
 use iva_core::observe::{Events, Observer};
 use iva_core::orbit::description::{Description, describe};
 use iva_core::orbit::periodic::find;
 use iva_core::orbit::spectrum::spectrum;
 use iva_core::orbit::symmetry::{find_any, find_either};
 use iva_core::orbit::{Coordinates, Cycle, Iterated, Request, Trajectory, iterate};
+use iva_core::piva::Piva;
 use iva_core::sample::Sampler;
 use iva_core::simulate::{Instant, Limits, resume};
+use iva_core::siva::Siva;
 
 use crate::design::Spec;
 use course::mirrored;
-use family::with_member;
-use verified::Verified;
+use family::{OfMember, with_member};
 
 pub mod attractors;
 pub mod basins;
@@ -30,7 +32,6 @@ pub mod diagram;
 mod family;
 pub mod lyapunov;
 pub mod starts;
-mod verified;
 pub mod words;
 
 pub use course::Course;
@@ -38,12 +39,37 @@ pub use family::{Family, Member};
 pub use iva_core::impact::Impact;
 pub use iva_core::observe::StickEpisode;
 pub use iva_core::orbit::periodic::{Missed, Orbit};
+pub use iva_core::orbit::polish::Seen;
 pub use iva_core::orbit::spectrum::Spectrum;
 pub use iva_core::sample::State;
 pub use iva_core::simulate::Outcome;
 
+/// An orbit that was found in doubles, of an absorber of either kind.
+#[derive(Debug, Clone, Copy)]
+pub enum InDoubles<'a> {
+    /// Of a free mass.
+    Siva(&'a Orbit<Siva<DrivenHost>>),
+    /// Of a pendulum.
+    Piva(&'a Orbit<Piva<DrivenHost>>),
+}
+
+/// An orbit to twice the precision.
+#[derive(Debug, Clone)]
+pub struct Exact {
+    /// Its events and states, rounded.
+    pub seen: Seen,
+    /// The largest difference between a coordinate and its image before they are rounded, over the size of the state.
+    pub residual: f64,
+    /// The largest error of a coordinate that doubles gave, over the size of the state.
+    pub error: f64,
+}
+
+/// Computes an orbit of so many periods to twice the precision, with its states after two numbers of cycles.
+pub type ToTwice =
+    fn(&Spec, (InDoubles<'_>, u32), cycles: [f64; 2], Option<&AtomicBool>) -> Result<Exact, Missed>;
+
 /// What is asked of an orbit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Asked {
     /// Number of periods of the drive after which it repeats.
     pub periods: u32,
@@ -52,8 +78,8 @@ pub struct Asked {
     pub symmetric: Option<bool>,
     /// Number of periods of the drive that are run first.
     pub settle: u64,
-    /// True if the orbit is computed to twice the precision, then rounded.
-    pub verify: bool,
+    /// What computes the orbit to twice the precision, to be rounded then, if that is asked for.
+    pub verify: Option<ToTwice>,
 }
 
 /// A periodic orbit, in the user's units.
@@ -115,7 +141,7 @@ pub fn orbit(
 }
 
 /// The orbit near a trajectory, with all that is told of it.
-fn found<S: Verified + Iterated + Clone>(
+fn found<S: OfMember + Iterated + Clone>(
     family: &Family,
     trajectory: &Trajectory<S>,
     (spec, asked): (&Spec, Asked),
@@ -134,11 +160,10 @@ fn found<S: Verified + Iterated + Clone>(
     let begin = trajectory.cycle.begin;
     let found = told(family, begin, (&orbit, asked.periods), cancel)?;
     let found = Found { walls_of_start, ..found };
-    if !asked.verify {
-        return Ok(found);
-    }
+    let Some(to_twice) = asked.verify else { return Ok(found) };
     let seen_at = SeenAt::new(begin, (&orbit, asked.periods));
-    let exact = verified::exact(spec, (&orbit, asked.periods), &seen_at, cancel)?;
+    let cycles = [0.0, seen_at.shift].map(|shift| seen_at.cycles + shift);
+    let exact = to_twice(spec, (S::in_doubles(&orbit), asked.periods), cycles, cancel)?;
     let Events { impacts, episodes } = exact.seen.events;
     let description = Description { impacts, episodes, ..Description::default() };
     let (course, mirrored) = seen_at.courses(family, &exact.seen.states, &description)?;

@@ -29,9 +29,9 @@ pub mod engine;
 pub mod fields;
 pub mod forces;
 #[cfg(feature = "sweeps")]
-pub mod gradients;
-#[cfg(feature = "sweeps")]
 pub mod identity;
+#[cfg(feature = "sweeps")]
+pub mod listed;
 pub mod motion;
 #[cfg(feature = "sweeps")]
 pub mod plan;
@@ -51,8 +51,6 @@ pub mod tables;
 pub mod theory;
 pub mod units;
 pub mod variable;
-#[cfg(feature = "sweeps")]
-pub mod verify;
 pub mod watched;
 #[cfg(feature = "sweeps")]
 mod workers;

@@ -47,7 +47,7 @@ impl RestitutionTable {
     /// # Errors
     /// As [`RestitutionTable::new`]: in natural units a speed may be out of range, or equal to the one before it.
     pub(crate) fn law<R: Real>(&self, path: &str, omega: R) -> Result<RestitutionLaw<R>, Invalid> {
-        let given = |value| R::given(value, false);
+        let given = |value| R::from(value);
         let point = |[speed, e]: &[f64; 2]| [given(*speed) / omega, given(*e)];
         let points: Vec<[R; 2]> = self.0.iter().map(point).collect();
         RestitutionLaw::table(&points).map_err(|error| named(path, error))

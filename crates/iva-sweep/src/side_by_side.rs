@@ -103,7 +103,7 @@ impl Part<'_> {
                 let found = (tally.without_state(), *measures, *steady);
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
                     Ok(run) => {
-                        let [condition, digits] = Estimates::<S>::of_run(&listed.errors);
+                        let [condition, digits] = listed.errors.of_run();
                         let named = request.named(listed.passes.iter().copied());
                         let extremes = listed.extremes.clone();
                         let absorbers = listed.absorbers.clone();

@@ -247,7 +247,7 @@ impl Spec {
     ///
     /// # Errors
     /// What is allowed instead.
-    pub(crate) fn check(&self, slot: Slot) -> Result<(), String> {
+    pub fn check(&self, slot: Slot) -> Result<(), String> {
         let count = self.count();
         if slot.field.of_absorber() && slot.number.is_some_and(|number| number >= count) {
             return Err(match count {

@@ -323,7 +323,7 @@ impl Structure {
                 _ if given.is_empty() => vec![R::ZERO; modes.count()],
                 _ => given,
             };
-            if primary[k].vanishes() {
+            if primary[k] == 0.0 {
                 continue;
             }
             let shape = modes.shapes(self.seen()).map(|shapes| shapes[self.natural_mode]);

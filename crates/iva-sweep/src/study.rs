@@ -207,7 +207,7 @@ impl Study {
 
     /// True if the line of motion is inclined at some point: then the absorber starts on its lower stop by
     /// default.
-    pub(crate) fn rises(&self) -> bool {
+    pub fn rises(&self) -> bool {
         let fields = [FieldId::Inclination, FieldId::InclinationDeg];
         let given = |field: FieldId| self.spec.get(field).is_some_and(|value| value != 0.0);
         self.sampling.sets(FieldId::Inclination.into()) || fields.into_iter().any(given)

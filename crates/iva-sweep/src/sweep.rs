@@ -13,6 +13,7 @@ use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
 use iva_core::propagation::Errors;
+use iva_core::run::observed::Beside;
 use iva_core::run::side_by_side::{Listed, Tier};
 use iva_core::simulate::Outcome;
 
@@ -286,8 +287,8 @@ fn run_point(
     cancel: &AtomicBool,
     builders: &mut Builders,
 ) -> Result<Ended, SweepError> {
-    let estimates = study.errors.then(Box::<Errors>::default);
-    Ok(run(study, point, design, request, cancel, estimates, &mut into(builders))?)
+    let beside: Beside<'_> = (study.errors.then(Box::<Errors>::default), Default::default());
+    Ok(run(study, point, design, request, cancel, beside, &mut into(builders))?)
 }
 
 /// Takes the rows of events into the tables.

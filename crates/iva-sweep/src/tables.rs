@@ -51,11 +51,16 @@ pub(crate) const SENSITIVE_FROM: &str = "sensitive_from";
 
 /// The kind of numbers in a table that does not hold values.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Content {
+pub enum Content {
     /// Errors of the values, in their units.
     Errors,
     /// Derivatives of the values with respect to a field; `key` is its name as the user wrote it.
-    Derivatives { by: Slot, key: String },
+    Derivatives {
+        /// The field.
+        by: Slot,
+        /// Its name.
+        key: String,
+    },
 }
 
 impl Content {

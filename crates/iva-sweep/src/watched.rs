@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::error::Invalid;
 use iva_core::propagation::Errors;
+use iva_core::run::observed::Beside;
 use iva_core::run::side_by_side::Tier;
-use iva_core::sample::Sampler;
 use iva_core::simulate::Outcome;
 
 use crate::cells::Cell;
@@ -75,7 +75,8 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
     let mut tables: BTreeMap<Table, Columns> = shown.map(empty).collect();
     let request = Request::new(study);
     let mut sampler = motion::sampler(&design, samples_per_period)?;
-    let observed = (study.errors.then(Box::<Errors>::default), Some(&mut sampler));
+    let observed: Beside<'_> =
+        (study.errors.then(Box::<Errors>::default), (Some(&mut sampler), None));
     let mut take = |table, cells: &mut dyn Iterator<Item = Cell>| {
         if let Some(columns) = tables.get_mut(&table) {
             put(columns, cells);
@@ -117,9 +118,8 @@ pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> 
         if !takes(&design) {
             return Ok(None);
         }
-        // The observers of a run that is watched: so there is one loop for both.
-        let observed = (None::<Box<Errors>>, None::<&mut Sampler>);
-        let ended = run(study, point, &design, &request, cancel, observed, &mut |_, _| {})?;
+        let beside = Beside::default();
+        let ended = run(study, point, &design, &request, cancel, beside, &mut |_, _| {})?;
         let row = summary_row(study, point, &design, &ended, &request.columns);
         let whole = ended.tally.outcome == Outcome::Finished;
         let cell = row.into_iter().nth(column).filter(|_| whole);

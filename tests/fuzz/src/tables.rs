@@ -14,7 +14,7 @@ use iva_sweep::gradients::gradients;
 use iva_sweep::motion::{samples, trajectory};
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
-use iva_sweep::verify::verify;
+use iva_verify::verify;
 
 /// At most so many impacts, and segments.
 const WORK: f64 = 200.0;

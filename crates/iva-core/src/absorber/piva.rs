@@ -271,21 +271,13 @@ impl<R: Real, H: Host<Real = R>> Absorber for Piva<H> {
     }
 
     fn distance(&self, state: &Self::State) -> Jet<R> {
-        R::dispatched(
-            #[inline(always)]
-            || contact::distance(state, &self.beginning(state)),
-        )
+        contact::distance(state, &self.beginning(state))
     }
 
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let (touching, later) = self.stops.touching(state, wall, &self.beginning(state));
-                let phase = self.host.free().later(&state.phase, later);
-                (PivaState { phase, ..touching }, later)
-            },
-        )
+        let (touching, later) = self.stops.touching(state, wall, &self.beginning(state));
+        let phase = self.host.free().later(&state.phase, later);
+        (PivaState { phase, ..touching }, later)
     }
 
     fn release(&self, state: &Self::State) -> (Self::State, R) {

@@ -56,10 +56,7 @@ impl<'a, R: Real, S: Stuck<Real = R>> Ride<'a, S> {
 
     /// The structure after a time h.
     fn flown(&self, h: R) -> HostState<Phase<S::Host>, R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().flown(&self.begin, &self.course, h).to,
-        )
+        self.structure().flown(&self.begin, &self.course, h).to
     }
 
     /// The displacement of the absorber in its gap.
@@ -93,10 +90,7 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
     }
 
     fn primary(&self, h: R) -> Jet<R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().jet(&self.begin, &self.course, h),
-        )
+        self.structure().jet(&self.begin, &self.course, h)
     }
 
     fn acceleration(&self, h: R) -> R {
@@ -131,34 +125,22 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
             mass_ratio: self.system.mass_ratio(),
             gap_velocity: None,
         };
-        let [viscous, work] = R::dispatched(
-            #[inline(always)]
-            || self.structure().losses(&motion, h),
-        );
+        let [viscous, work] = self.structure().losses(&motion, h);
         Losses { viscous, pivot: R::ZERO, work }
     }
 
     fn square(&self, h: [R; 2]) -> R {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().square(&self.begin, &self.course, h),
-        )
+        self.structure().square(&self.begin, &self.course, h)
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &S::State) -> Option<R> {
         let (phase, primary) = (S::phase(end), S::structure_of(end));
         let end = HostState { primary, phase: *phase, ..self.begin };
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().largest(of, least, (&self.begin, &self.course), &end, length),
-        )
+        self.structure().largest(of, least, (&self.begin, &self.course), &end, length)
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().rows(&self.begin, &self.course),
-        )
+        self.structure().rows(&self.begin, &self.course)
     }
 
     fn travel(&self) -> Option<Travel<R>> {

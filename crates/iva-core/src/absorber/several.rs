@@ -272,15 +272,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
             return (0, (*state, Clock::ZERO));
         };
         let time = remaining.min(self.host.smooth_for(&state.host.phase)).double();
-        let count = f64::dispatched(
-            #[inline(always)]
-            || {
-                self.each(state).fold(f64::INFINITY, |least, (mass, place)| {
-                    let within = [1.0 / mass.clearance.double(), time];
-                    least.min(coasts::count(steps, &place.in_doubles(&state.host.primary), within))
-                })
-            },
-        );
+        let count = {
+            self.each(state).fold(f64::INFINITY, |least, (mass, place)| {
+                let within = [1.0 / mass.clearance.double(), time];
+                least.min(coasts::count(steps, &place.in_doubles(&state.host.primary), within))
+            })
+        };
         let count = count as usize;
         (count, self.coasted(state, count))
     }
@@ -288,25 +285,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {
         let Some(steps) = self.host.steps().filter(|_| N > 0) else { return (*state, Clock::ZERO) };
         let HostState { primary, phase, .. } = state.host;
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let (by, time) = (steps.responses(count), steps.time(count as f64));
-                let (to, acceleration) = steps.after(&primary, by);
-                let phase = self.host.waited(&phase, time);
-                let mut after = *state;
-                after.host = HostState { primary: to, acceleration, phase };
-                for mass in &mut after.masses[..self.count] {
-                    [mass.distance, mass.rate] = coasts::drifted(
-                        [&primary, &to],
-                        mass.side,
-                        [mass.distance, mass.rate],
-                        time,
-                    );
-                }
-                (after, time)
-            },
-        )
+        let (by, time) = (steps.responses(count), steps.time(count as f64));
+        let (to, acceleration) = steps.after(&primary, by);
+        let phase = self.host.waited(&phase, time);
+        let mut after = *state;
+        after.host = HostState { primary: to, acceleration, phase };
+        for mass in &mut after.masses[..self.count] {
+            [mass.distance, mass.rate] =
+                coasts::drifted([&primary, &to], mass.side, [mass.distance, mass.rate], time);
+        }
+        (after, time)
     }
 
     fn aboard(&self, state: &Self::State, _stuck: bool) -> Aboard {
@@ -412,10 +400,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         if N == 0 {
             return (*state, R::ZERO);
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.touching(state, wall),
-        )
+        self.touching(state, wall)
     }
 
     /// The release is where A = 0, for all stuck masses at once. With x set to the balance, the pressure is exactly 0.

@@ -251,10 +251,7 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
         let smooth = self.host.smooth_for(&state.host.phase);
         let within = [1.0 / self.mass.clearance.double(), remaining.min(smooth).double()];
-        let count = f64::dispatched(
-            #[inline(always)]
-            || coasts::count(steps, &state.in_doubles(), within) as usize,
-        );
+        let count = coasts::count(steps, &state.in_doubles(), within) as usize;
         (count, self.coasted(state, count))
     }
 
@@ -263,15 +260,10 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
             return self.drifted(pieces, state, count);
         }
         let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let (by, time) = (steps.responses(count), steps.time(count as f64));
-                let mut after = coasts::after(steps, state, count as f64, by);
-                after.host.phase = self.host.waited(&state.host.phase, time);
-                (after, time)
-            },
-        )
+        let (by, time) = (steps.responses(count), steps.time(count as f64));
+        let mut after = coasts::after(steps, state, count as f64, by);
+        after.host.phase = self.host.waited(&state.host.phase, time);
+        (after, time)
     }
 
     fn wall(&self, state: &Self::State) -> Wall {

@@ -144,10 +144,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         if self.source.ramped().is_some() {
             return Course(None);
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.course(from),
-        )
+        self.course(from)
     }
 
     #[inline(always)]
@@ -163,12 +160,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     fn measured(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Course<R>> {
         let missing = course.0.is_none();
-        missing.then(|| {
-            R::dispatched(
-                #[inline(always)]
-                || Course(Some(self.expanded(from))),
-            )
-        })
+        missing.then(|| Course(Some(self.expanded(from))))
     }
 
     #[inline(always)]

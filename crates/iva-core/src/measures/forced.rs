@@ -19,6 +19,7 @@ use crate::number::arrays::Lanes as _;
 use crate::number::clock::SLACK;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::number::vectors::in_vectors;
 use crate::segment::flight::{GapPoint, Quantity};
 
 mod courses;
@@ -156,13 +157,10 @@ impl Forced {
     /// Logs a flight as two, of which the first has this length.
     #[inline(never)]
     fn divide(&mut self, flight: &Flight, first: f64) {
-        let there = f64::dispatched(
-            #[inline(always)]
-            || {
-                let force = self.structure.force_at(flight.clock());
-                self.later(&flight.begin(force), first)
-            },
-        );
+        let there = {
+            let force = self.structure.force_at(flight.clock());
+            self.later(&flight.begin(force), first)
+        };
         let State { x, v, distance, rate, side, .. } = there;
         self.store(&Flight { length: first, end_x: x, end_v: v, approach: 0.0, ..*flight });
         self.before = self.count;
@@ -203,12 +201,12 @@ impl Forced {
     /// Takes the log for the measures, and clears it; returns the energy lost and the work.
     pub fn take<R: Real>(&mut self, steady: Option<&mut Steady<R>>) -> [DoubleDouble; 2] {
         let taken = if self.scene.moves_base {
-            f64::dispatched(
+            in_vectors(
                 #[inline(always)]
                 || self.measure::<R, BASE>(steady),
             )
         } else {
-            f64::dispatched(
+            in_vectors(
                 #[inline(always)]
                 || self.measure::<R, FORCE>(steady),
             )
@@ -291,10 +289,7 @@ impl<const DRIVE: u8> Strobing<'_, DRIVE> {
 impl<R: Real, const DRIVE: u8> Strobed<R> for Strobing<'_, DRIVE> {
     #[inline(always)]
     fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>) {
-        let there = f64::dispatched(
-            #[inline(always)]
-            || self.at(h.double()),
-        );
+        let there = self.at(h.double());
         let State { x, v, distance, rate, side, .. } = there;
         let Scene { offset, clearance, .. } = self.log.scene;
         let y = offset + side * (clearance - distance);
@@ -305,13 +300,10 @@ impl<R: Real, const DRIVE: u8> Strobed<R> for Strobing<'_, DRIVE> {
     #[inline(always)]
     fn largest(&mut self, [from, to]: [R; 2], least: R) -> R {
         let [from, to, least] = [from, to, least].map(R::double);
-        let largest = f64::dispatched(
-            #[inline(always)]
-            || {
-                let part = Part { begin: self.at(from), end: self.at(to), length: to - from };
-                self.log.largest_in::<DRIVE>(Quantity::Displacement, &part, least)
-            },
-        );
+        let largest = {
+            let part = Part { begin: self.at(from), end: self.at(to), length: to - from };
+            self.log.largest_in::<DRIVE>(Quantity::Displacement, &part, least)
+        };
         largest.into()
     }
 }

@@ -1,8 +1,8 @@
 //! The number types in which a motion is computed.
 //!
-//! The core is generic over [`Real`]: a double, a number of [twice the precision](twofold) to verify a run
-//! with, or a number [with derivatives](dual) to differentiate it. Thresholds that depend on the precision
-//! are constants of the type. Types are doubles by default: `DoubleDouble` is `DoubleDouble<f64>`.
+//! The core is generic over [`Real`]: a double, or a number of [twice the precision](twofold) to verify and to
+//! differentiate a run with. The series of a pendulum's flight are also computed in numbers [with
+//! derivatives](dual), for its tangent. Thresholds that depend on the precision are constants of the type. Types are doubles by default: `DoubleDouble` is `DoubleDouble<f64>`.
 //!
 //! In a formula a double stands to the right of a number, as in `x * 0.5`, and [`Real::ONE`] to the left.
 
@@ -13,7 +13,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use crate::number::compensated::DoubleDouble;
 
-pub mod dual;
+pub(crate) mod dual;
 mod mixed;
 pub mod twofold;
 
@@ -73,19 +73,10 @@ pub trait Real:
     /// True if flights decided by a proof in closed form skip the search for a contact.
     const FAST_PATHS: bool;
 
-    /// A number given by the user; `differentiated` if results are to be differentiated with respect to it.
-    fn given(value: f64, differentiated: bool) -> Self;
-
     /// The number rounded to a double.
     #[inline(always)]
     fn double(self) -> f64 {
         self.into()
-    }
-
-    /// True if it is 0 with all its derivatives: only then may a term be left out that it multiplies.
-    #[inline(always)]
-    fn vanishes(self) -> bool {
-        self == 0.0
     }
 
     /// The reciprocal 1/n.
@@ -215,37 +206,12 @@ pub trait Real:
         const ONE_ABOVE: f64 = (1u64 << 52) as f64;
         self.double().to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
     }
-
-    /// The root h with its derivatives, from value and slope of the function at h; `None` for a type without
-    /// derivatives, whose h stays as it is.
-    #[inline(always)]
-    fn settled(_h: Self, _f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
-        None
-    }
-
-    /// Runs code with the widest vector instructions of the machine, where that is faster; results have the
-    /// same bits.
-    #[inline(always)]
-    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
-        code()
-    }
 }
 
 /// `yes` if `which`, else `no`, without a branch.
 #[inline(always)]
 pub(crate) fn pick<T>(which: bool, yes: T, no: T) -> T {
     if which { yes } else { no }
-}
-
-/// Runs code with a fused multiply-add where the machine has one, in vectors of no more than four numbers: a third of
-/// [`Real::dispatched`] less to compile.
-#[inline]
-pub(crate) fn fused<T>(code: impl FnOnce() -> T) -> T {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        return simd.vectorize(code);
-    }
-    code()
 }
 
 /// Reciprocals of integers below this are in a table.
@@ -267,11 +233,6 @@ impl Real for f64 {
     /// A tenth of the rounding error of a time of order 1.
     const NEGLIGIBLE: f64 = 1e-17;
     const FAST_PATHS: bool = true;
-
-    #[inline(always)]
-    fn given(value: f64, _differentiated: bool) -> f64 {
-        value
-    }
 
     #[inline]
     fn reciprocal(n: usize) -> f64 {
@@ -380,19 +341,5 @@ impl Real for f64 {
     #[inline(always)]
     fn total_cmp(&self, other: &f64) -> Ordering {
         f64::total_cmp(self, other)
-    }
-
-    /// The code is inlined into a function that has a fused multiply-add.
-    #[cfg(not(target_arch = "wasm32"))]
-    #[inline]
-    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
-        pulp::Arch::new().dispatch(code)
-    }
-
-    /// WebAssembly has no instruction to choose: all code would be compiled twice for nothing.
-    #[cfg(target_arch = "wasm32")]
-    #[inline(always)]
-    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
-        code()
     }
 }

@@ -10,7 +10,7 @@ use crate::measures::Wanted;
 use crate::measures::forced::Forced;
 use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
-use crate::number::real::Real;
+use crate::number::vectors::in_vectors;
 use crate::run::side_by_side::{Cycling, Loaded, Tier};
 
 /// Number of evaluations between two checks of the cancel flag.
@@ -24,7 +24,7 @@ pub(super) fn iterate<S: Iterated, L: Cycling<S>>(
     see: See<'_, S>,
 ) {
     let given = Given { trajectories, group, limits, request };
-    f64::dispatched(
+    in_vectors(
         #[inline(always)]
         || {
             // With the lanes as local variables of the vectorised function, its stack is aligned to the arrays.

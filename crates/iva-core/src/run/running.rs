@@ -4,7 +4,7 @@ use std::iter::repeat_with;
 
 use super::side_by_side::{Group, IndexedRun, Lockstep, SideBySide, Watch, is_set};
 use crate::engine::simulate::Tally;
-use crate::number::real::Real;
+use crate::number::vectors::in_vectors;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
@@ -29,7 +29,7 @@ impl<'a, S: SideBySide> Running<'a, S> {
     /// Makes its runs.
     pub fn run<L: Lockstep<S>>(mut self) {
         self.runs = repeat_with(|| None).take(L::WIDTH).collect();
-        f64::dispatched(
+        in_vectors(
             #[inline(always)]
             || {
                 // This closure is the function that is vectorised. With the lanes as its local variables, the

@@ -39,10 +39,7 @@ fn terms<R: Real>(f: &[R], t: R) -> (Row<R>, usize) {
 /// The larger of `least` and the largest |f| of a polynomial on an interval of [0, ∞), at an end or an
 /// extremum.
 pub(crate) fn largest<R: Real>(f: &[R], h: [R; 2], least: R) -> R {
-    R::dispatched(
-        #[inline(always)]
-        || largest_of(f, h, least),
-    )
+    largest_of(f, h, least)
 }
 
 #[inline(always)]
@@ -162,10 +159,7 @@ pub(crate) fn horners<R: Real, const K: usize>(rows: [&[R]; K], t: R) -> [R; K] 
 #[inline(always)]
 pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {
     let mut found = Vec::new();
-    let (slope, curved) = R::dispatched(
-        #[inline(always)]
-        || slope_and_bend(f, to),
-    );
+    let (slope, curved) = slope_and_bend(f, to);
     // In most cases f is monotonic.
     if slope.abs() > curved * (to * 0.5) {
         return found;

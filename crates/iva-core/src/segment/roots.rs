@@ -235,7 +235,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         guess: Option<R>,
     ) -> Node<C::Sample, R> {
         if a.jet.value < 0.0 && a.jet.rate < 0.0 {
-            return settle(|h| self.falling(h, false), a.h).map_or(*a, |(_, node)| node);
+            return *a;
         }
         let guess = guess.unwrap_or_else(|| a.h + hermite_zero(&a.jet, &b.jet, b.h - a.h));
         // Where f is hardly below zero, plain evaluation would not show where it changes sign.
@@ -364,17 +364,7 @@ pub(crate) fn polish<R: Real, T: Copy>(
         [value, slope, bend] = jet;
         bracket.narrow(h, sample, value);
     }
-    settle(f, bracket.h).unwrap_or((bracket.h, bracket.sample))
-}
-
-/// The zero at h with its derivatives ([`Real::settled`]) and its sample; `None` for a type without derivatives.
-#[inline]
-fn settle<R: Real, T>(f: impl Fn(R) -> (T, [R; 3]), h: R) -> Option<(R, T)> {
-    let h = R::settled(h, |h| {
-        let (_, [value, slope, _]) = f(h);
-        [value, slope]
-    })?;
-    Some((h, f(h).0))
+    (bracket.h, bracket.sample)
 }
 
 /// An interval that contains the zero, and the sample with the smallest |value| so far.

@@ -240,19 +240,14 @@ impl<R: Real> Pendulum<R> {
         h: R,
         order: usize,
     ) -> Series<T, LENGTH> {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                if T::UNROLLED && ORDERS.contains(&order) {
-                    return with_order!(order, N => self.series_to::<T, LENGTH, N>(start, drive, h));
-                }
-                let mut recurrence = Recurrence::new(self, start, drive, h);
-                for k in 0..order {
-                    recurrence.raise(k);
-                }
-                recurrence.series
-            },
-        )
+        if T::UNROLLED && ORDERS.contains(&order) {
+            return with_order!(order, N => self.series_to::<T, LENGTH, N>(start, drive, h));
+        }
+        let mut recurrence = Recurrence::new(self, start, drive, h);
+        for k in 0..order {
+            recurrence.raise(k);
+        }
+        recurrence.series
     }
 
     /// The series from a state under a drive, of an order N that the compiler knows.

@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 use iva_core::error::{Invalid, number};
 use iva_core::force::{Force, Harmonic};
 use iva_core::host::DrivenHost;
-use iva_core::orbit::{Cycle, Trajectory};
+use iva_core::orbit::periodic::Orbit;
+use iva_core::orbit::{Coordinates, Cycle, Trajectory};
 use iva_core::piva::Piva;
 use iva_core::siva::Siva;
 
+use super::InDoubles;
 use crate::choices::Kind;
 use crate::design::{Design, Spec};
 use crate::engine::dashpot;
@@ -48,20 +50,31 @@ pub enum Member {
 }
 
 /// A kind of absorber that a member can be of.
-pub trait OfMember: Sized + iva_core::absorber::Absorber {
+pub trait OfMember: Coordinates + Sized {
     /// The trajectory of a member; `None` if it is one of another kind.
     fn of(member: Member) -> Option<Trajectory<Self>>;
+
+    /// An orbit as one of either kind.
+    fn in_doubles(orbit: &Orbit<Self>) -> InDoubles<'_>;
 }
 
 impl OfMember for Siva<DrivenHost> {
     fn of(member: Member) -> Option<Trajectory<Self>> {
         if let Member::Siva(trajectory) = member { Some(*trajectory) } else { None }
     }
+
+    fn in_doubles(orbit: &Orbit<Self>) -> InDoubles<'_> {
+        InDoubles::Siva(orbit)
+    }
 }
 
 impl OfMember for Piva<DrivenHost> {
     fn of(member: Member) -> Option<Trajectory<Self>> {
         if let Member::Piva(trajectory) = member { Some(*trajectory) } else { None }
+    }
+
+    fn in_doubles(orbit: &Orbit<Self>) -> InDoubles<'_> {
+        InDoubles::Piva(orbit)
     }
 }
 

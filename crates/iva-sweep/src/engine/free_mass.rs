@@ -49,7 +49,7 @@ pub(crate) fn weight<R: Real>(
     if angle.value == 0.0 && coefficient.is_none() {
         return Ok(None);
     }
-    let standard = given.spec.standard_gravity_of(given.absorber)?.map(|g| R::given(g, false));
+    let standard = given.spec.standard_gravity_of(given.absorber)?.map(R::from);
     let gravity = gravity.or(standard).ok_or_else(|| {
         Invalid::missing(
             FieldId::Gravity.path(),

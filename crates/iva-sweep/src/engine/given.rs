@@ -1,7 +1,5 @@
 //! The fields of one run as a user gives them, converted to the number type of the motion.
 
-use std::marker::PhantomData;
-
 use iva_core::real::Real;
 
 use crate::choices::Choices;
@@ -17,20 +15,19 @@ pub struct Given<'a, R = f64> {
     pub spec: &'a Spec,
     /// The number of the absorber whose fields are read.
     pub(super) absorber: usize,
-    /// The field with respect to which results are differentiated, if any.
-    by: Option<Slot>,
-    numbers: PhantomData<R>,
+    /// A field whose value is another by this much, if there is one.
+    shift: Option<(Slot, R)>,
 }
 
 impl<'a, R: Real> Given<'a, R> {
     /// The fields of a spec.
     pub fn new(spec: &'a Spec) -> Self {
-        Self { spec, absorber: 0, by: None, numbers: PhantomData }
+        Self { spec, absorber: 0, shift: None }
     }
 
-    /// The fields of a spec, with the field to differentiate with respect to.
-    pub fn differentiated(spec: &'a Spec, by: Slot) -> Self {
-        Self { spec, absorber: 0, by: Some(by), numbers: PhantomData }
+    /// The fields of a spec, of which one, which is given, is larger by a step that doubles may not resolve.
+    pub fn shifted(spec: &'a Spec, slot: Slot, step: R) -> Self {
+        Self { shift: Some((slot, step)), ..Self::new(spec) }
     }
 
     /// The same fields, with those of the absorber of this number in a list.
@@ -61,8 +58,11 @@ impl<'a, R: Real> Given<'a, R> {
 
     /// A value given for a field, as a number of the motion.
     pub(super) fn number(&self, slot: Slot, value: f64) -> R {
-        let chosen = self.by.is_some_and(|by| by.field == slot.field && by.same_quantity(slot));
-        R::given(value, chosen)
+        let here = |by: &Slot| by.field == slot.field && by.same_quantity(slot);
+        match self.shift {
+            Some((by, step)) if here(&by) => R::from(value) + step,
+            _ => R::from(value),
+        }
     }
 
     pub(super) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {

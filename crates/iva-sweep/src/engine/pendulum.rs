@@ -99,7 +99,7 @@ fn swing<R: Real>(
         }
         (None, Some(length)) => {
             let gravity = gravity
-                .or(given.spec.standard_gravity_of(given.absorber)?.map(|g| R::given(g, false)))
+                .or(given.spec.standard_gravity_of(given.absorber)?.map(R::from))
                 .ok_or_else(|| {
                     Invalid::missing(
                         given.path(FieldId::FrequencyRatio),

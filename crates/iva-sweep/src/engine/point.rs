@@ -13,13 +13,15 @@ use iva_core::impact::Impact;
 use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;
 use iva_core::measures::pass::{Pass, Passes};
-use iva_core::observe::{Events, Observer};
+use iva_core::observe::Events;
 use iva_core::peaks::Peak;
 use iva_core::piva::Piva;
 use iva_core::propagation::Errors;
 use iva_core::real::Real;
+use iva_core::real::twofold::Twofold;
+use iva_core::run::observed::{Beside, Observed, Observers};
 use iva_core::run::side_by_side::Listing;
-use iva_core::simulate::simulate_from;
+use iva_core::simulate::{Limits, Tally, simulate_from};
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Strobe};
 use iva_core::summary::Summary;
@@ -61,6 +63,26 @@ pub(crate) struct Request {
 }
 
 impl Request {
+    /// Neither table nor measure.
+    #[cfg(feature = "sweeps")]
+    pub fn nothing() -> Self {
+        Self {
+            summary: false,
+            impacts: false,
+            episodes: false,
+            envelope: false,
+            absorbers: false,
+            errors: false,
+            wanted: Wanted::NONE,
+            steady: SteadyWanted::default(),
+            reduction: false,
+            extremes: false,
+            extremes_of_decays: false,
+            named: Vec::new(),
+            columns: Vec::new(),
+        }
+    }
+
     pub fn new(study: &Study) -> Self {
         let asked = |table| study.tables.contains(&table);
         let needs = |group| study.measures.needs(group);
@@ -169,22 +191,22 @@ impl Request {
     }
 }
 
-/// An observer that estimates the errors of a run.
-pub(crate) trait Estimates<S: Absorber>: Observer<S> {
+/// What a run tells of its errors.
+pub trait Estimates<R> {
     /// The estimate for an impact.
-    fn of_impact(&self, _index: usize) -> Estimate<S::Real> {
-        Estimate::default()
+    fn of_impact(&self, _index: usize) -> Estimate<R> {
+        Estimate { time: None, near_grazing: None }
     }
     /// Condition number and correct digits of the run.
-    fn of_run(&self) -> [Option<S::Real>; 2] {
-        [None; 2]
+    fn of_run(&self) -> [Option<R>; 2] {
+        [const { None }; 2]
     }
 }
 
-impl<S: Absorber<Real = f64>> Estimates<S> for Option<Box<Errors>>
-where
-    Errors: Observer<S>,
-{
+/// Runs whose errors are not asked for.
+impl<R> Estimates<R> for () {}
+
+impl Estimates<f64> for Option<Box<Errors>> {
     fn of_impact(&self, index: usize) -> Estimate {
         let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
         let time = error.and_then(|error| error.time);
@@ -197,53 +219,85 @@ where
     }
 }
 
-/// Estimates beside another observer.
-impl<S: Absorber, E: Estimates<S>, O: Observer<S>> Estimates<S> for (E, O) {
-    fn of_impact(&self, index: usize) -> Estimate<S::Real> {
+impl<O> Estimates<f64> for (Option<Box<Errors>>, O) {
+    fn of_impact(&self, index: usize) -> Estimate {
         self.0.of_impact(index)
     }
-    fn of_run(&self) -> [Option<S::Real>; 2] {
+
+    fn of_run(&self) -> [Option<f64>; 2] {
         self.0.of_run()
     }
 }
 
-/// An observer that estimates the errors of runs of any kind of scene.
-pub(crate) trait EstimatesOfAny<R: Real>:
-    Estimates<Siva<UndrivenHost<R>>>
-    + Estimates<Siva<DrivenHost<R>>>
-    + Estimates<Several<UndrivenHost<R>>>
-    + Estimates<Several<DrivenHost<R>>>
-    + Estimates<Mixed<UndrivenHost<R>>>
-    + Estimates<Mixed<DrivenHost<R>>>
-    + Estimates<Sliding<R>>
-    + Estimates<Modal<UndrivenHost<R>>>
-    + Estimates<Modal<DrivenHost<R>>>
-    + Estimates<Alone<UndrivenHost<R>>>
-    + Estimates<Alone<DrivenHost<R>>>
-    + Estimates<Piva<UndrivenHost<R>>>
-    + Estimates<Piva<DrivenHost<R>>>
-{
+/// What observes runs of a system beside their tables, and the event loop that it goes through.
+pub trait Observes<S: Absorber>: Estimates<S::Real> + Sized {
+    /// As [`simulate_from`].
+    ///
+    /// # Errors
+    /// As [`simulate_from`].
+    fn simulate(
+        system: &S,
+        start: &S::Start,
+        time: (S::Real, &Limits<S::Real>),
+        cancel: &AtomicBool,
+        observers: &mut Observers<S, S::Real, Self>,
+    ) -> Result<Tally<S::State, S::Real>, Invalid>;
 }
 
-impl<R: Real, E> EstimatesOfAny<R> for E where
-    E: Estimates<Siva<UndrivenHost<R>>>
-        + Estimates<Siva<DrivenHost<R>>>
-        + Estimates<Several<UndrivenHost<R>>>
-        + Estimates<Several<DrivenHost<R>>>
-        + Estimates<Mixed<UndrivenHost<R>>>
-        + Estimates<Mixed<DrivenHost<R>>>
-        + Estimates<Sliding<R>>
-        + Estimates<Modal<UndrivenHost<R>>>
-        + Estimates<Modal<DrivenHost<R>>>
-        + Estimates<Alone<UndrivenHost<R>>>
-        + Estimates<Alone<DrivenHost<R>>>
-        + Estimates<Piva<UndrivenHost<R>>>
-        + Estimates<Piva<DrivenHost<R>>>
-{
+/// In doubles: by the loops that are compiled with the core.
+impl<S: Observed> Observes<S> for Beside<'_> {
+    fn simulate(
+        system: &S,
+        start: &S::Start,
+        (begin, limits): (f64, &Limits),
+        cancel: &AtomicBool,
+        observers: &mut Observers<S, f64, Self>,
+    ) -> Result<Tally<S::State>, Invalid> {
+        system.observe(start, begin, limits, Some(cancel), observers)
+    }
+}
+
+/// To twice the precision: by loops that are compiled where such runs are made.
+impl<S: Absorber<Real = Twofold>> Observes<S> for () {
+    fn simulate(
+        system: &S,
+        start: &S::Start,
+        (begin, limits): (Twofold, &Limits<Twofold>),
+        cancel: &AtomicBool,
+        observers: &mut Observers<S, Twofold, Self>,
+    ) -> Result<Tally<S::State, Twofold>, Invalid> {
+        simulate_from(system, start, begin, limits, Some(cancel), observers)
+    }
+}
+
+/// Declares an observer of runs of any kind of scene, which may tell of their errors.
+macro_rules! observes_any {
+    ($($system:ty),* $(,)?) => {
+        /// An observer of runs of any kind of scene.
+        pub trait ObservesAny<R: Real>: Estimates<R> $(+ Observes<$system>)* {}
+
+        impl<R: Real, E: Estimates<R> $(+ Observes<$system>)*> ObservesAny<R> for E {}
+    };
+}
+
+observes_any! {
+    Siva<UndrivenHost<R>>,
+    Siva<DrivenHost<R>>,
+    Several<UndrivenHost<R>>,
+    Several<DrivenHost<R>>,
+    Mixed<UndrivenHost<R>>,
+    Mixed<DrivenHost<R>>,
+    Sliding<R>,
+    Modal<UndrivenHost<R>>,
+    Modal<DrivenHost<R>>,
+    Alone<UndrivenHost<R>>,
+    Alone<DrivenHost<R>>,
+    Piva<UndrivenHost<R>>,
+    Piva<DrivenHost<R>>,
 }
 
 /// The receiver of the rows of each table.
-pub(crate) type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
+pub type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
 
 /// Runs a point and hands out the rows of its events, table by table; returns its result.
 ///
@@ -259,23 +313,21 @@ pub(crate) fn run<R: Real, E>(
     take: &mut Take<'_, R>,
 ) -> Result<Ended<R>, Invalid>
 where
-    E: EstimatesOfAny<R>,
+    E: ObservesAny<R>,
 {
     let point = Point { study, point, design, request, cancel };
     with_system!(&design.scene, |it| point.run(&it.system, &it.start, estimates, take))
 }
 
 /// Hands out the rows of the events of a run, table by table.
-pub(crate) fn list<R: Real, E>(
+pub(crate) fn list<R: Real>(
     study: &Study,
     point: u64,
     design: &Design<R>,
     request: &Request,
-    (ended, found): (&Ended<R>, &Seen<'_, R, E>),
+    (ended, found): (&Ended<R>, &Seen<'_, R>),
     take: &mut Take<'_, R>,
-) where
-    E: EstimatesOfAny<R>,
-{
+) {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
     for table in &study.tables {
         with_system!(&design.scene, |it| point.rows(*table, &it.system, found, take));
@@ -301,15 +353,15 @@ struct Point<'a, R: Real> {
 }
 
 /// The events that a run has shown to its observers.
-pub(crate) struct Seen<'a, R, E> {
+pub(crate) struct Seen<'a, R> {
     pub events: Option<Events<R>>,
     pub envelope: &'a [Peak<R>],
     pub strobes: &'a [Strobe<R>],
-    pub estimates: &'a E,
+    pub estimates: &'a dyn Estimates<R>,
 }
 
 impl<R: Real> Point<'_, R> {
-    fn run<S: Absorber<Real = R>, E: Estimates<S>>(
+    fn run<S: Absorber<Real = R>, E: Observes<S>>(
         &self,
         system: &S,
         start: &S::Start,
@@ -330,8 +382,8 @@ impl<R: Real> Point<'_, R> {
             request.lists().then(Events::default),
             (summary, ((extremes.then(|| Extremes::new(from)), passes), estimates)),
         );
-        let (begin, limits) = (design.begin, &design.limits);
-        let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
+        let length = (design.begin, &design.limits);
+        let tally = E::simulate(system, start, length, cancel, &mut observers)?;
         let (events, (summary, ((extremes, passes), estimates))) = observers;
         let steady = summary.as_ref().and_then(Summary::steady);
         let envelope = summary.as_ref().map_or(&[][..], Summary::envelope);
@@ -362,11 +414,11 @@ impl<R: Real> Point<'_, R> {
         }
     }
 
-    fn rows<S: Absorber<Real = R>, E: Estimates<S>>(
+    fn rows<S: Absorber<Real = R>>(
         &self,
         table: Table,
         system: &S,
-        seen: &Seen<'_, R, E>,
+        seen: &Seen<'_, R>,
         take: &mut Take<'_, R>,
     ) {
         let design = self.design;

@@ -28,7 +28,7 @@ pub(super) fn restitution<R: Real>(given: &Given<'_, R>) -> Result<R, Invalid> {
     }
     let table = given.spec.restitution_table(given.absorber).filter(|_| EVERY_SCENE);
     if let Some([_, slow]) = table.and_then(|table| table.points().first()) {
-        return Ok(R::given(*slow, false));
+        return Ok(R::from(*slow));
     }
     given.get(FieldId::Restitution).ok_or_else(|| {
         Invalid::missing(given.path(FieldId::Restitution), "give a number from 0 to 1")

@@ -39,7 +39,7 @@ pub(crate) fn summary_row<R: Real>(
     columns: &[SummaryColumn],
 ) -> Vec<Cell<R>> {
     let row = RunRow::new(design, ended);
-    let swept = study.swept(point).into_iter().map(|value| Cell::Number(R::given(value, false)));
+    let swept = study.swept(point).into_iter().map(|value| Cell::Number(R::from(value)));
     let cells = columns.iter().map(|column| column.cell(&row));
     iter::once(Cell::point(point)).chain(swept).chain(cells).collect()
 }
@@ -175,9 +175,10 @@ fn largest_impulse<R: Real>(ended: &Ended<R>, scene: &Scene<R>) -> R {
 
 /// The estimated error of an impact.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Estimate<R = f64> {
+pub struct Estimate<R = f64> {
     /// Error of its instant, in 1/ωn.
     pub time: Option<R>,
+    /// Whether rounding could have made or unmade it.
     pub near_grazing: Option<bool>,
 }
 

@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
 use iva_core::error::{Invalid, number};
+use iva_core::run::observed::Beside;
 use iva_core::sample::{Sampler, State};
-use iva_core::simulate::simulate_from;
 
 use super::{in_order, row, sampler};
 use crate::design::{Design, Spec};
-use crate::engine::scene::with_system;
+use crate::engine::point::{Request, run};
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{TableBuilder, schema_in};
@@ -28,7 +28,7 @@ pub fn trajectory(
 ) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
     let mut sampler = sampler(&design, samples_per_period)?;
-    watch(&design, cancel, &mut sampler)?;
+    watch(spec, &design, cancel, &mut sampler)?;
     let states = in_order(sampler);
     let rows = states.iter().map(|state| (design.scale.time(state.time), Some(state)));
     table(spec, &design, rows)
@@ -69,7 +69,7 @@ pub fn states(
         instants.push(tau.clamp(design.begin, duration));
     }
     let mut sampler = Sampler::at(instants);
-    watch(&design, cancel, &mut sampler)?;
+    watch(spec, &design, cancel, &mut sampler)?;
     // Of several absorbers each has a state at every instant.
     let each = design.scene.count().max(1);
     let mut found: Vec<(f64, Option<&State>)> =
@@ -82,11 +82,15 @@ pub fn states(
     table(spec, &design, found.into_iter())
 }
 
-fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {
-    let (limits, cancel) = (&design.limits, Some(cancel));
-    with_system!(&design.scene, |it| {
-        simulate_from(&it.system, &it.start, design.begin, limits, cancel, sampler).map(|_| ())
-    })
+fn watch(
+    spec: &Spec,
+    design: &Design,
+    cancel: &AtomicBool,
+    sampler: &mut Sampler,
+) -> Result<(), Invalid> {
+    let (study, request) = (Study::single(spec.clone()), Request::nothing());
+    let beside: Beside<'_> = (None, (Some(sampler), None));
+    run(&study, 0, design, &request, cancel, beside, &mut |_, _| {}).map(|_| ())
 }
 
 fn table<'a>(

@@ -22,7 +22,6 @@ use iva_sweep::{
     fields::FieldId as F,
     study::{Study, Table},
     sweep::{Control, Workers, sweep},
-    verify::verify,
 };
 use iva_tests::{
     case::{Case, any_case},
@@ -32,6 +31,7 @@ use iva_tests::{
     reference::{Expected, forced_scenes, piva_scenes, scenes},
     rng::Rng,
 };
+use iva_verify::verify;
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
 /// The impacts of a run: instant, approach speed, estimated error, and whether it is near a grazing.

@@ -14,9 +14,8 @@ use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
 use iva_sweep::choices::Kind;
 use iva_sweep::columns::Selection;
-use iva_sweep::gradients::gradients;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::verify::verify;
+use iva_verify::{gradients, verify};
 
 use super::every_field::{Drive, scene};
 

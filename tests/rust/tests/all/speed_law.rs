@@ -9,7 +9,7 @@ use iva_core::{
     measures::Wanted,
     observe::Events,
     propagation::{Errors, Tangent},
-    real::{Real, dual::Dual, twofold::Twofold},
+    real::{Real, twofold::Twofold},
     run::side_by_side::{self, Job, Listing, Tier},
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
@@ -92,28 +92,6 @@ fn its_energies_add_up() {
     assert_eq!(found.tally.outcome, Outcome::Finished);
     let residual = found.measures.energy_residual;
     assert!(residual.abs() < 1e-14, "{residual:e}");
-}
-
-/// With respect to μ, e₀, d, ζ and w₀.
-#[test]
-fn its_derivatives_are_those_of_differences() {
-    for varied in 0..5 {
-        let numbers = std::array::from_fn(|i| Real::given(NUMBERS[i], i == varied));
-        let found = decay::<Dual>(numbers, 2.0 * TAU);
-        let step = 1e-9;
-        let near = |sign: f64| {
-            let mut numbers = NUMBERS.map(Twofold::from);
-            numbers[varied] += sign * step;
-            decay(numbers, 2.0 * TAU).impacts
-        };
-        let (low, high) = (near(-1.0), near(1.0));
-        assert_eq!([low.len(), high.len()], [found.impacts.len(); 2]);
-        for ((impact, low), high) in found.impacts.iter().zip(&low).zip(&high) {
-            let [slope] = impact.time.slopes;
-            let truth = f64::from((high.time - low.time) / (2.0 * step));
-            assert!((slope - truth).abs() < 1e-7 * slope.abs().max(1.0), "{slope} {truth}");
-        }
-    }
 }
 
 /// x, ẋ, y and ẏ at the end of a run from a start.

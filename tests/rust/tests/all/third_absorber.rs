@@ -11,7 +11,7 @@ use iva_core::{
     observe::Events,
     piva::{Angles, Parameters, Piva},
     propagation::Errors,
-    real::{Real, dual::Dual, twofold::Twofold},
+    real::{Real, twofold::Twofold},
     run::side_by_side::{self, Job, Listing, Tier},
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
@@ -97,27 +97,6 @@ fn its_errors_are_what_is_estimated() {
     for ((a, b), error) in plain.impacts.iter().zip(&exact.impacts).zip(&errors.impacts) {
         let (off, estimate) = (f64::from(b.time - a.time).abs(), error.time.unwrap());
         assert!(off <= 16.0 * estimate + 4.0 * U, "{}: {off:e} {estimate:e}", a.time);
-    }
-}
-
-#[test]
-fn its_derivatives_are_those_of_differences() {
-    for varied in 0..6 {
-        let numbers = std::array::from_fn(|i| Real::given(NUMBERS[i], i == varied));
-        let found = decay::<Dual>(numbers, 2.0 * TAU);
-        let step = 1e-9;
-        let near = |sign: f64| {
-            let mut numbers = NUMBERS.map(Twofold::from);
-            numbers[varied] += sign * step;
-            decay(numbers, 2.0 * TAU).impacts
-        };
-        let (low, high) = (near(-1.0), near(1.0));
-        assert_eq!([low.len(), high.len()], [found.impacts.len(); 2]);
-        for ((impact, low), high) in found.impacts.iter().zip(&low).zip(&high) {
-            let [slope] = impact.time.slopes;
-            let truth = f64::from((high.time - low.time) / (2.0 * step));
-            assert!((slope - truth).abs() < 1e-7 * slope.abs().max(1.0), "{slope} {truth}");
-        }
     }
 }
 

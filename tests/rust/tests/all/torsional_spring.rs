@@ -10,7 +10,7 @@ use iva_core::{
     host::{DrivenHost, UndrivenHost},
     piva::{Angles, Given, Parameters, Piva, PivaStart},
     propagation::{Errors, Tangent},
-    real::{Real, dual::Dual, twofold::Twofold},
+    real::{Real, twofold::Twofold},
     run::{
         Run, run,
         side_by_side::{Job, SideBySide, Tier},
@@ -138,31 +138,6 @@ fn its_errors_are_what_is_estimated() {
         assert!(plain.tally.outcome == Outcome::Finished && residual.abs() < 1e-13, "{residual:e}");
     }
     assert!(episodes > 3, "{episodes}");
-}
-
-/// With respect to all its numbers.
-#[test]
-fn its_derivatives_are_those_of_differences() {
-    for varied in 0..NUMBERS.len() {
-        let numbers = std::array::from_fn(|i| Real::given(NUMBERS[i], i == varied));
-        let found = driven::<Dual>(numbers, 2.0 * TAU);
-        let step = 1e-9;
-        let near = |sign: f64| {
-            let mut numbers = NUMBERS.map(Twofold::from);
-            numbers[varied] += sign * step;
-            driven(numbers, 2.0 * TAU).impacts
-        };
-        let (low, high) = (near(-1.0), near(1.0));
-        assert_eq!([low.len(), high.len()], [found.impacts.len(); 2]);
-        for ((impact, low), high) in found.impacts.iter().zip(&low).zip(&high) {
-            let [slope] = impact.time.slopes;
-            let truth = f64::from((high.time - low.time) / (2.0 * step));
-            assert!(
-                (slope - truth).abs() < 1e-7 * slope.abs().max(1.0),
-                "{varied}: {slope} {truth}"
-            );
-        }
-    }
 }
 
 /// x, ẋ, y and W at the end of a run from a start.

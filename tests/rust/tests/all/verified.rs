@@ -24,7 +24,6 @@ use iva_sweep::{
     fields::FieldId as F,
     study::{Study, Table},
     sweep::{Control, Workers, sweep},
-    verify::{Finding, verify},
 };
 use iva_tests::{
     dd::Dd,
@@ -32,6 +31,7 @@ use iva_tests::{
     reference::{Expected, forced_scenes, piva_scenes, scenes},
     units,
 };
+use iva_verify::{Finding, verify};
 
 /// Approach speed at or below which impacts are missing in the references.
 const FLOOR: f64 = 1e-9;

@@ -19,10 +19,7 @@ pub struct Segment<'a, C: Coupling, const STUCK: bool> {
 
 impl<'a, C: Coupling, const STUCK: bool> Segment<'a, C, STUCK> {
     pub(super) fn new(system: &'a Coupled<C>, from: CoupledState<C::Real>) -> Self {
-        let series = C::Real::dispatched(
-            #[inline(always)]
-            || system.series(&from, STUCK),
-        );
+        let series = system.series(&from, STUCK);
         Self { system, from, series }
     }
 }
@@ -48,10 +45,7 @@ impl<R: Real, C: Coupling<Real = R>, const STUCK: bool> Motion for Segment<'_, C
         if STUCK || !R::FAST_PATHS {
             return None;
         }
-        R::dispatched(
-            #[inline(always)]
-            || fast_flight(self.system, &self.from, length, self.system.clearance()),
-        )
+        fast_flight(self.system, &self.from, length, self.system.clearance())
     }
 
     fn primary(&self, h: R) -> Jet<R> {

@@ -8,7 +8,6 @@ use crate::absorber::Wall;
 use crate::absorber::piva::{Piva, PivaState, STEEP, Sizes};
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure};
-use crate::number::real::Real;
 use crate::number::real::dual::Dual;
 use crate::segment::taylor::{ORDER, Pendulum, Series, Swing};
 
@@ -126,17 +125,11 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
     }
 
     fn flight_tangent(&self, from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
-        f64::dispatched(
-            #[inline(always)]
-            || self.swung::<ORDER>(from, h),
-        )
+        self.swung::<ORDER>(from, h)
     }
 
     fn rough_tangent(&self, from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
-        f64::dispatched(
-            #[inline(always)]
-            || self.swung::<ROUGH>(from, h),
-        )
+        self.swung::<ROUGH>(from, h)
     }
 
     fn ride_tangent(&self, _from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {

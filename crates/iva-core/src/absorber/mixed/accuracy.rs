@@ -54,13 +54,10 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
                 .host
                 .force()
                 .map_or([R::ZERO; 2], |force| force.left_out::<ORDER>(step * most));
-            let bound = R::dispatched(
-                #[inline(always)]
-                || {
-                    let driven = (left_out, step, most);
-                    RemainderOfSeveral::new(&in_flight, series.first()?, mass, fastest, driven)
-                },
-            );
+            let bound = {
+                let driven = (left_out, step, most);
+                RemainderOfSeveral::new(&in_flight, series.first()?, mass, fastest, driven)
+            };
             if let Some(bound) = bound {
                 let excess = |share: R| bound.excess(share, structure, &gaps);
                 let whole = bound.most();

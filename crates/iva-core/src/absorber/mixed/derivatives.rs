@@ -16,7 +16,6 @@ use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place, tail
 use crate::absorber::derivatives::piva::{ROUGH, Terms, begun, sharpness};
 use crate::force::Drive;
 use crate::host::Host;
-use crate::number::real::Real as _;
 use crate::number::real::dual::Dual;
 use crate::segment::taylor::{Member, Pendulum, Series, series_of_several};
 
@@ -140,10 +139,7 @@ impl<H: Host<Real = f64>> DifferentiableList for Mixed<H> {
         let size = self.variables();
         let mut flow = DMatrix::zeros(size, size);
         for first in (0..size).step_by(4) {
-            let rows = f64::dispatched(
-                #[inline(always)]
-                || self.swung(&from, h, first),
-            );
+            let rows = self.swung(&from, h, first);
             for (row, slopes) in rows.iter().enumerate() {
                 for (column, slope) in (first..size).zip(slopes) {
                     flow[(row, column)] = *slope;

@@ -73,13 +73,8 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
         state: &MixedState<H>,
     ) -> Vec<Series<R, LENGTH>> {
         let zeta = self.host.damping_ratio();
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let (swings, drive) = (self.swings(state), self.host.drive_ahead(&state.phase));
-                series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, LENGTH - 1))
-            },
-        )
+        let (swings, drive) = (self.swings(state), self.host.drive_ahead(&state.phase));
+        series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, LENGTH - 1))
     }
 
     /// The distance of an absorber to its wall and its derivatives. One that is stuck stays: its derivatives are those with
@@ -100,18 +95,15 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
     /// The pressure of a stuck absorber on its wall and its derivatives.
     pub(super) fn pressure_of(&self, state: &MixedState<H>, k: usize) -> Jet<R> {
         let zeta = self.host.damping_ratio();
-        let series: Vec<Series<R, 5>> = R::dispatched(
-            #[inline(always)]
-            || {
-                let swings = self.swings(state);
-                let whole = self.host.drive(&state.phase, R::ONE);
-                let drive = whole.as_ref().map(|it| Drive {
-                    primary: std::array::from_fn(|k| it.primary[k]),
-                    base: std::array::from_fn(|k| it.base[k]),
-                });
-                series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, 4))
-            },
-        );
+        let series: Vec<Series<R, 5>> = {
+            let swings = self.swings(state);
+            let whole = self.host.drive(&state.phase, R::ONE);
+            let drive = whole.as_ref().map(|it| Drive {
+                primary: std::array::from_fn(|k| it.primary[k]),
+                base: std::array::from_fn(|k| it.base[k]),
+            });
+            series_of_several(&swings, zeta, drive.as_ref(), (R::ONE, 4))
+        };
         let [factor, constant] = self.members[k].pressure(state.places[k].wall);
         let a = &series[k].a;
         Jet {
@@ -129,14 +121,11 @@ impl<'a, R: Real, H: Host<Real = R>> MixedFlight<'a, H> {
         // A power of two: h/step is exact then, and the terms of the series belong to one instant.
         let step = R::power_of_two(longest);
         let zeta = system.host.damping_ratio();
-        let (series, drive) = R::dispatched(
-            #[inline(always)]
-            || {
-                let drive = system.host.drive(&from.phase, step);
-                let swings = system.swings(&from);
-                (series_of_several(&swings, zeta, drive.as_ref(), (step, ORDER)), drive)
-            },
-        );
+        let (series, drive) = {
+            let drive = system.host.drive(&from.phase, step);
+            let swings = system.swings(&from);
+            (series_of_several(&swings, zeta, drive.as_ref(), (step, ORDER)), drive)
+        };
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let share = system.share_proved(&series, (step, longest / step), &from, size);
         let smooth = system.host.smooth_for(&from.phase);
@@ -207,30 +196,20 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
 
     fn state(&self, h: R) -> Self::State {
         let (free, stuck) = (self.system.host.free(), self.at_hand().1.stuck);
-        R::dispatched(
-            #[inline(always)]
-            || {
-                // A pressure is a small difference of the drive and what it moves, so that its zero asks for all
-                // digits.
-                let phase = if stuck {
-                    free.within(&self.from.phase, h)
-                } else {
-                    free.nearly_within(&self.from.phase, h)
-                };
-                MixedState { phase, ..self.moved(h, false) }
-            },
-        )
+        // A pressure is a small difference of the drive and what it moves, so that its zero asks for all
+        // digits.
+        let phase = if stuck {
+            free.within(&self.from.phase, h)
+        } else {
+            free.nearly_within(&self.from.phase, h)
+        };
+        MixedState { phase, ..self.moved(h, false) }
     }
 
     fn arrival(&self, h: R) -> Self::State {
         let free = self.system.host.free();
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let phase = free.renewed(&free.within(&self.from.phase, h));
-                MixedState { phase, ..self.moved(h, true) }
-            },
-        )
+        let phase = free.renewed(&free.within(&self.from.phase, h));
+        MixedState { phase, ..self.moved(h, true) }
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
@@ -264,18 +243,13 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
         let (seen, end) = (self.system.seen(&self.from, k), self.system.seen(end, k));
         let pendulum = &self.system.members[k].pendulum;
         let step = Step { pendulum, from: &seen, series: &self.series[k], length: self.step };
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let gap = step.gap::<ORDER>(&end, length, Accuracy::of(R::ZERO).doubt());
-                let side = if gap.near { Side::Near } else { Side::Far };
-                if !(gap.near || gap.far) {
-                    return None;
-                }
-                let (h, exact) = step.meeting::<ORDER>(&end, length, gap.far);
-                exact.then_some((h, side))
-            },
-        )
+        let gap = step.gap::<ORDER>(&end, length, Accuracy::of(R::ZERO).doubt());
+        let side = if gap.near { Side::Near } else { Side::Far };
+        if !(gap.near || gap.far) {
+            return None;
+        }
+        let (h, exact) = step.meeting::<ORDER>(&end, length, gap.far);
+        exact.then_some((h, side))
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
@@ -286,10 +260,7 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
         let seen = system.seen(&self.from, 0);
         let pendulum = &system.members[0].pendulum;
         let step = Step { pendulum, from: &seen, series: &self.series[0], length: self.step };
-        let turning = R::dispatched(
-            #[inline(always)]
-            || step.turning::<ORDER>(&end, length),
-        );
+        let turning = step.turning::<ORDER>(&end, length);
         turning.as_turns()
     }
 
@@ -355,13 +326,8 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
 
     fn square(&self, h: [R; 2]) -> R {
         let ends = h.map(|h| self.share(h));
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let x = values::<ORDER, _, _, _>(&self.series[0].x, &nodes::<R, NODES>(ends));
-                mean_product(&x, &x) * (h[1] - h[0])
-            },
-        )
+        let x = values::<ORDER, _, _, _>(&self.series[0].x, &nodes::<R, NODES>(ends));
+        mean_product(&x, &x) * (h[1] - h[0])
     }
 
     fn largest(&self, _of: Quantity, _least: R, _length: R, _end: &Self::State) -> Option<R> {
@@ -369,10 +335,7 @@ impl<R: Real, H: Host<Real = R>> Motion for MixedFlight<'_, H> {
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.taken(h),
-        )
+        self.taken(h)
     }
 }
 
@@ -386,7 +349,7 @@ impl<R: Real, H: Host<Real = R>> MixedFlight<'_, H> {
         let mut pivot = R::ZERO;
         for (member, Series { w, .. }) in self.system.members.iter().zip(&self.series) {
             let is = &member.pendulum;
-            if !is.pivot_damping.vanishes() {
+            if is.pivot_damping != 0.0 {
                 let w = values::<ORDER, _, _, _>(w, &at);
                 let inertia = is.mass_ratio * is.inertia_ratio * (is.lever * is.lever);
                 pivot += inertia * is.pivot_damping * mean_product(&w, &w) * h;

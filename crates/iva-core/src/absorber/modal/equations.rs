@@ -229,26 +229,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// Computes the accelerations at the points of all masses anew.
     pub(super) fn refresh(&self, state: &mut ModalState<H, N>) {
-        let shaken = R::dispatched(
-            #[inline(always)]
-            || {
-                let stuck = self.stuck_in(&state.places);
-                let pushes = self.pushes(&state.phase, R::ONE);
-                let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
-                // A loop instead of a closure, which would be compiled without the instructions of this function.
-                let mut shaken = [[R::ZERO; 4]; N];
-                for (k, shaken) in shaken[..self.count].iter_mut().enumerate() {
-                    let followed = self.followed(k, state.places[k].stuck);
-                    let curved = self.curved(&rows, followed, &pushes, (R::ONE, 5));
-                    for (shaken, (m, factorial)) in
-                        shaken.iter_mut().zip([(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)])
-                    {
-                        *shaken = R::get(&curved, m) * factorial;
-                    }
+        let shaken = {
+            let stuck = self.stuck_in(&state.places);
+            let pushes = self.pushes(&state.phase, R::ONE);
+            let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
+            let mut shaken = [[R::ZERO; 4]; N];
+            for (k, shaken) in shaken[..self.count].iter_mut().enumerate() {
+                let followed = self.followed(k, state.places[k].stuck);
+                let curved = self.curved(&rows, followed, &pushes, (R::ONE, 5));
+                for (shaken, (m, factorial)) in
+                    shaken.iter_mut().zip([(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)])
+                {
+                    *shaken = R::get(&curved, m) * factorial;
                 }
-                shaken
-            },
-        );
+            }
+            shaken
+        };
         for (place, shaken) in state.places.iter_mut().zip(shaken) {
             place.shaken = shaken;
         }

@@ -44,24 +44,20 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let unit = R::power_of_two(system.reach);
         let smooth = system.host.smooth_for(&from.phase);
         let reach = if smooth <= system.reach { smooth } else { system.reach };
-        let (rows, curved, base) = R::dispatched(
-            #[inline(always)]
-            || {
-                let pushes = system.pushes(&from.phase, unit);
-                let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
-                // A loop instead of a closure, which would be compiled without the instructions of this function.
-                let mut curved = [Series::ZERO; N];
-                for (k, curved) in curved[..system.count].iter_mut().enumerate() {
-                    let followed = system.followed(k, from.places[k].stuck);
-                    *curved = system.curved(&rows, followed, &pushes, (unit, ORDER));
-                    // At a release the acceleration is set to 0 without rounding.
-                    if from.places[k].shaken[0] == 0.0 {
-                        curved.set(2, DoubleDouble::ZERO);
-                    }
+        let (rows, curved, base) = {
+            let pushes = system.pushes(&from.phase, unit);
+            let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
+            let mut curved = [Series::ZERO; N];
+            for (k, curved) in curved[..system.count].iter_mut().enumerate() {
+                let followed = system.followed(k, from.places[k].stuck);
+                *curved = system.curved(&rows, followed, &pushes, (unit, ORDER));
+                // At a release the acceleration is set to 0 without rounding.
+                if from.places[k].shaken[0] == 0.0 {
+                    curved.set(2, DoubleDouble::ZERO);
                 }
-                (rows, curved, base_row(pushes))
-            },
-        );
+            }
+            (rows, curved, base_row(pushes))
+        };
         Self { system, stuck, from, unit, reach, rows, curved, base, seen: OnceCell::new() }
     }
 
@@ -91,16 +87,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
 
     /// The displacement of a point of this shape.
     fn displacement(&self, shape: &[R]) -> Series<R> {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let mut sum = Series::ZERO;
-                for (row, phi) in self.rows.iter().zip(shape) {
-                    sum.add(row, *phi, ORDER);
-                }
-                sum
-            },
-        )
+        let mut sum = Series::ZERO;
+        for (row, phi) in self.rows.iter().zip(shape) {
+            sum.add(row, *phi, ORDER);
+        }
+        sum
     }
 
     /// The place of a mass at h. Its accelerations are those that its curve needs.
@@ -251,18 +242,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn state(&self, h: R) -> Self::State {
-        let mut state = R::dispatched(
-            #[inline(always)]
-            || {
-                let mut places = self.from.places;
-                for (k, place) in places[..self.system.count].iter_mut().enumerate() {
-                    *place = self.place(k, h);
-                }
-                let free = self.system.host.free();
-                let phase = free.renewed(&free.within(&self.from.phase, h));
-                ModalState { modes: self.modes(h), places, phase, at_hand: self.from.at_hand }
-            },
-        );
+        let mut state = {
+            let mut places = self.from.places;
+            for (k, place) in places[..self.system.count].iter_mut().enumerate() {
+                *place = self.place(k, h);
+            }
+            let free = self.system.host.free();
+            let phase = free.renewed(&free.within(&self.from.phase, h));
+            ModalState { modes: self.modes(h), places, phase, at_hand: self.from.at_hand }
+        };
         self.system.refresh(&mut state);
         state
     }
@@ -292,22 +280,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let ends = [values, rates].map(|ends| ends.map(|end| end.value));
         let (side, level) = only_contact(ends, self.magnitude(), self.fourth(), length)?;
         let bends = [from, to].map(|place| from.side * place.shaken[0]);
-        let h = R::dispatched(
-            #[inline(always)]
-            || {
-                meeting(
-                    ends,
-                    bends,
-                    level,
-                    length,
-                    #[inline(always)]
-                    |h| {
-                        let Place { distance, rate, .. } = self.place(k, h);
-                        [(distance.value - level) + distance.rest, rate.value]
-                    },
-                )
-            },
-        )?;
+        let h = {
+            meeting(
+                ends,
+                bends,
+                level,
+                length,
+                #[inline(always)]
+                |h| {
+                    let Place { distance, rate, .. } = self.place(k, h);
+                    [(distance.value - level) + distance.rest, rate.value]
+                },
+            )
+        }?;
         Some((h, side))
     }
 
@@ -366,13 +351,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let (viscous, gaps, work) = R::dispatched(
-            #[inline(always)]
-            || {
-                let rates = self.velocities();
-                (self.viscous(&rates, h), self.lost_in_gaps(&rates, h), self.work(&rates, h))
-            },
-        );
+        let (viscous, gaps, work) = {
+            let rates = self.velocities();
+            (self.viscous(&rates, h), self.lost_in_gaps(&rates, h), self.work(&rates, h))
+        };
         Losses { viscous: viscous - gaps, pivot: gaps, work }
     }
 
@@ -418,10 +400,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
     fn sample(&self, h: R) -> Self::Sample {
         let k = self.at_hand();
         let mut sample = self.from;
-        sample.places[k] = R::dispatched(
-            #[inline(always)]
-            || self.place(k, h),
-        );
+        sample.places[k] = self.place(k, h);
         sample
     }
 
@@ -437,10 +416,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
-        let place = R::dispatched(
-            #[inline(always)]
-            || self.place(self.at_hand(), h),
-        );
+        let place = self.place(self.at_hand(), h);
         if self.is_stuck() { DoubleDouble::new(place.pressure()) } else { place.distance }
     }
 

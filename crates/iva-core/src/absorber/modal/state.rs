@@ -65,16 +65,11 @@ impl<R: Real> Modes<R> {
 
     /// Displacement and velocity of a point of this shape.
     pub(super) fn of_point(&self, shape: &[R]) -> [DoubleDouble<R>; 2] {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let (mut place, mut velocity) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
-                for ((q, v), phi) in self.places.iter().zip(&self.velocities).zip(shape) {
-                    (place, velocity) = (place + q.times(*phi), velocity + v.times(*phi));
-                }
-                [place, velocity]
-            },
-        )
+        let (mut place, mut velocity) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
+        for ((q, v), phi) in self.places.iter().zip(&self.velocities).zip(shape) {
+            (place, velocity) = (place + q.times(*phi), velocity + v.times(*phi));
+        }
+        [place, velocity]
     }
 
     /// The modes after an impulse on the point of this shape.

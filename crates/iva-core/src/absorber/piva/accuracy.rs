@@ -77,15 +77,12 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
     ) -> Option<R> {
         let (mut fastest, mut most) = (self.fastest(), most);
         for _ in 0..MOST_HALVINGS {
-            let remainder = R::dispatched(
-                #[inline(always)]
-                || {
-                    with_order!(self.accuracy.order, N => {
-                        let left_out = self.force().map_or([R::ZERO; 2], |it| it.left_out::<N>(step * most));
-                        Remainder::new::<N>(&self.pendulum, fastest, series, left_out, (step, most))
-                    })
-                },
-            );
+            let remainder = {
+                with_order!(self.accuracy.order, N => {
+                    let left_out = self.force().map_or([R::ZERO; 2], |it| it.left_out::<N>(step * most));
+                    Remainder::new::<N>(&self.pendulum, fastest, series, left_out, (step, most))
+                })
+            };
             if remainder.proves() {
                 return share_kept(&remainder, self, from, driven);
             }

@@ -203,10 +203,7 @@ impl<R: Real, H: Host<Real = R>> crate::absorber::ImpactLaw for Piva<H> {
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        R::dispatched(
-            #[inline(always)]
-            || self.law(state.wall).struck(state, time, self.pendulum.lever),
-        )
+        self.law(state.wall).struck(state, time, self.pendulum.lever)
     }
 
     fn stick(&self, state: &Self::State) -> (Self::State, R) {

@@ -109,10 +109,7 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
 
     /// The first coefficients of the flight from a state.
     fn beginning(&self, state: &PivaState<Phase<H>, R>) -> Series<R, 3> {
-        R::dispatched(
-            #[inline(always)]
-            || self.piva.beginning(state),
-        )
+        self.piva.beginning(state)
     }
 
     /// The series to twice the precision, from an angle with this cosine.
@@ -133,13 +130,10 @@ impl<R: Real, H: Host<Real = R>> PivaFlight<'_, H> {
     /// The flight of a length that is shown to meet no wall, or the flight to the wall that it meets within it.
     fn decided(&self, length: R) -> Option<FastFlight<PivaState<Phase<H>, R>, R>> {
         let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
-        let (end, gap) = R::dispatched(
-            #[inline(always)]
-            || {
-                let end = self.arrived(length);
-                (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
-            },
-        );
+        let (end, gap) = {
+            let end = self.arrived(length);
+            (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
+        };
         let contact = match gap {
             Gap { clear: true, .. } => {
                 return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
@@ -148,13 +142,10 @@ impl<R: Real, H: Host<Real = R>> PivaFlight<'_, H> {
             Gap { far: true, .. } => Side::Far,
             _ => return None,
         };
-        let (h, exact) = R::dispatched(
-            #[inline(always)]
-            || {
-                let far = contact == Side::Far;
-                with_order!(order, N => self.step().meeting::<N>(&end, length, far))
-            },
-        );
+        let (h, exact) = {
+            let far = contact == Side::Far;
+            with_order!(order, N => self.step().meeting::<N>(&end, length, far))
+        };
         exact.then(|| FastFlight {
             length: h,
             later: R::ZERO,
@@ -207,21 +198,13 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             return self.from;
         }
         let order = self.piva.accuracy.order;
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let state = with_order!(order, N => self.step().state::<N>(h));
-                let phase = self.piva.host.free().nearly_within(&self.from.phase, h);
-                PivaState { phase, ..state }
-            },
-        )
+        let state = with_order!(order, N => self.step().state::<N>(h));
+        let phase = self.piva.host.free().nearly_within(&self.from.phase, h);
+        PivaState { phase, ..state }
     }
 
     fn arrival(&self, h: R) -> Self::State {
-        R::dispatched(
-            #[inline(always)]
-            || self.arrived(h),
-        )
+        self.arrived(h)
     }
 
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
@@ -245,10 +228,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             return Turns::Unknown;
         }
         let order = self.piva.accuracy.order;
-        let turning = R::dispatched(
-            #[inline(always)]
-            || with_order!(order, N => self.step().turning::<N>(end, length)),
-        );
+        let turning = with_order!(order, N => self.step().turning::<N>(end, length));
         turning.as_turns()
     }
 
@@ -300,10 +280,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             return known.square;
         }
         let (ends, order) = (h.map(|h| self.share(h)), self.piva.accuracy.order);
-        R::dispatched(
-            #[inline(always)]
-            || with_order!(order, N => square::<R, N>(&self.series.x, ends, self.step)),
-        )
+        with_order!(order, N => square::<R, N>(&self.series.x, ends, self.step))
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, _end: &Self::State) -> Option<R> {
@@ -320,18 +297,12 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             return known.losses;
         }
         let (piva, order) = (self.piva, self.piva.accuracy.order);
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let Series { u, y, w, .. } = &self.series;
-                let (pivots, base) =
-                    (!piva.pendulum.pivot_damping.vanishes(), piva.host.moves_base());
-                let drive = self.drive.as_ref();
-                let integrands = Integrands { u, y, w, drive, pivots, base };
-                let (t, step) = (self.share(h), self.step);
-                with_order!(order, N => integrands.taken::<N>(&piva.pendulum, t, step))
-            },
-        )
+        let Series { u, y, w, .. } = &self.series;
+        let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.host.moves_base());
+        let drive = self.drive.as_ref();
+        let integrands = Integrands { u, y, w, drive, pivots, base };
+        let (t, step) = (self.share(h), self.step);
+        with_order!(order, N => integrands.taken::<N>(&piva.pendulum, t, step))
     }
 }
 

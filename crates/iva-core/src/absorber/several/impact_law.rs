@@ -160,10 +160,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        R::dispatched(
-            #[inline(always)]
-            || self.collided(state, time),
-        )
+        self.collided(state, time)
     }
 
     /// The absorber at hand sticks, with all masses that are stuck already.

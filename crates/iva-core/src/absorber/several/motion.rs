@@ -60,10 +60,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
     fn integrals(&self, mass_ratio: R, gap_velocity: Option<R>, h: R) -> [R; 2] {
         let (from, course) = (&self.from.host, &self.course);
         let motion = Integrated { from, course, mass_ratio, gap_velocity };
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.losses(&motion, h),
-        )
+        self.structure.losses(&motion, h)
     }
 }
 
@@ -81,10 +78,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn state(&self, h: R) -> Self::State {
-        R::dispatched(
-            #[inline(always)]
-            || self.moved(h),
-        )
+        self.moved(h)
     }
     /// A structure alone meets no wall in any finite motion. Several masses are looked at one by one, a single one as they are.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
@@ -106,21 +100,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn arrival(&self, h: R) -> Self::State {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let mut state = self.moved(h);
-                self.structure.refresh(&mut state.host);
-                state
-            },
-        )
+        let mut state = self.moved(h);
+        self.structure.refresh(&mut state.host);
+        state
     }
 
     fn primary(&self, h: R) -> Jet<R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.jet(&self.from.host, &self.course, h),
-        )
+        self.structure.jet(&self.from.host, &self.course, h)
     }
 
     fn acceleration(&self, h: R) -> R {
@@ -172,27 +158,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn square(&self, h: [R; 2]) -> R {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.square(&self.from.host, &self.course, h),
-        )
+        self.structure.square(&self.from.host, &self.course, h)
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let motion = (&self.from.host, &self.course);
-                self.structure.largest(of, least, motion, &end.host, length)
-            },
-        )
+        let motion = (&self.from.host, &self.course);
+        self.structure.largest(of, least, motion, &end.host, length)
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.rows(&self.from.host, &self.course),
-        )
+        self.structure.rows(&self.from.host, &self.course)
     }
 
     fn travel(&self) -> Option<Travel<R>> {
@@ -247,10 +222,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
             return None;
         }
         let flight = InFlight { free: self.structure, course: &self.course };
-        let Met { sure, far, h } = R::dispatched(
-            #[inline(always)]
-            || from.meets(to, &flight, &ends, clearance),
-        );
+        let Met { sure, far, h } = from.meets(to, &flight, &ends, clearance);
         sure.then_some((h, if far { Side::Far } else { Side::Near }))
     }
 
@@ -259,10 +231,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         if !R::FAST_PATHS || v * v_end >= 0.0 {
             return Turns::Unknown;
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.turns(&self.from.host, &self.course, &end.host, length),
-        )
+        self.structure.turns(&self.from.host, &self.course, &end.host, length)
     }
 }
 

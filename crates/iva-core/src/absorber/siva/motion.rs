@@ -93,10 +93,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     fn state(&self, h: R) -> Self::State {
-        R::dispatched(
-            #[inline(always)]
-            || arrived(self.structure(), &self.course, &self.from, h),
-        )
+        arrived(self.structure(), &self.course, &self.from, h)
     }
 
     fn arrival(&self, h: R) -> Self::State {
@@ -106,10 +103,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     fn primary(&self, h: R) -> Jet<R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().jet(&self.from.host, &self.course, h),
-        )
+        self.structure().jet(&self.from.host, &self.course, h)
     }
 
     #[inline]
@@ -117,10 +111,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         if !R::FAST_PATHS {
             return None;
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.fast_flight(length),
-        )
+        self.fast_flight(length)
     }
 
     fn acceleration(&self, h: R) -> R {
@@ -157,10 +148,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
             mass_ratio: self.siva.mass.mass_ratio,
             gap_velocity: Some(self.from.gap_velocity()),
         };
-        let [viscous, work] = R::dispatched(
-            #[inline(always)]
-            || self.structure().losses(&motion, h),
-        );
+        let [viscous, work] = self.structure().losses(&motion, h);
         Losses { viscous, pivot: R::ZERO, work }
     }
 
@@ -169,35 +157,18 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         if let Some(passage) = whole {
             return passage.square();
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().square(&self.from.host, self.measured(), h),
-        )
+        self.structure().square(&self.from.host, self.measured(), h)
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
         if let Some(passage) = Passage::of(self, length) {
             return Some(passage.largest(of, least));
         }
-        R::dispatched(
-            #[inline(always)]
-            || {
-                self.structure().largest(
-                    of,
-                    least,
-                    (&self.from.host, &self.course),
-                    &end.host,
-                    length,
-                )
-            },
-        )
+        self.structure().largest(of, least, (&self.from.host, &self.course), &end.host, length)
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().rows(&self.from.host, &self.course),
-        )
+        self.structure().rows(&self.from.host, &self.course)
     }
 
     /// The series follow from ÿ = −A and ẍ₁ = −a_g. The series of A leaves gravity out, so it is added to both.
@@ -233,10 +204,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         if !R::FAST_PATHS || v * v_end >= 0.0 {
             return Turns::Unknown;
         }
-        R::dispatched(
-            #[inline(always)]
-            || self.structure().turns(&self.from.host, &self.course, &end.host, length),
-        )
+        self.structure().turns(&self.from.host, &self.course, &end.host, length)
     }
 }
 

@@ -91,10 +91,7 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
             };
             let above = (block.plain.longest * block.plain.longest * 0.125) * bend.double();
             let [x, v] = [start.x, start.v].map(|it| it.value.double());
-            let sizes = f64::dispatched(
-                #[inline(always)]
-                || block.plain.sizes(of, [x, v, damping]),
-            );
+            let sizes = block.plain.sizes(of, [x, v, damping]);
             let within = &sizes[mass.place.point..=to];
             let most = within.iter().fold(least.double(), |most, size| most.max(*size));
             let least_there = most * (1.0 - DOUBT);

@@ -129,33 +129,28 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         state: &SivaState<Phase<H>, R>,
         remaining: R,
     ) -> (usize, Coasted<SivaState<Phase<H>, R>, R>) {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let still = (0, (*state, DoubleDouble::ZERO));
-                let Some(mut mass) = Drifting::of(&self.host, pieces, state) else { return still };
-                let free = self.host.free();
-                let bound = |start: &Primary<R>| free.bound::<0>(start);
-                let mut count = 0;
-                for _ in 0..BLOCKS {
-                    let Some(block) = pieces.block(mass.place.block) else { break };
-                    let clear = mass.clear(block, [self.mass.clearance, remaining], bound);
-                    if clear == 0 {
-                        break;
-                    }
-                    count += clear;
-                    let end = mass.place.point + clear;
-                    mass = mass.moved(block, end);
-                    if end + 1 < block.count() {
-                        break;
-                    }
-                }
-                if count == 0 {
-                    return still;
-                }
-                (count, (self.state_of(pieces, &state.host.phase, &mass), mass.time))
-            },
-        )
+        let still = (0, (*state, DoubleDouble::ZERO));
+        let Some(mut mass) = Drifting::of(&self.host, pieces, state) else { return still };
+        let free = self.host.free();
+        let bound = |start: &Primary<R>| free.bound::<0>(start);
+        let mut count = 0;
+        for _ in 0..BLOCKS {
+            let Some(block) = pieces.block(mass.place.block) else { break };
+            let clear = mass.clear(block, [self.mass.clearance, remaining], bound);
+            if clear == 0 {
+                break;
+            }
+            count += clear;
+            let end = mass.place.point + clear;
+            mass = mass.moved(block, end);
+            if end + 1 < block.count() {
+                break;
+            }
+        }
+        if count == 0 {
+            return still;
+        }
+        (count, (self.state_of(pieces, &state.host.phase, &mass), mass.time))
     }
 
     /// The state after some of these pieces, and the time that they take.
@@ -165,21 +160,16 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         state: &SivaState<Phase<H>, R>,
         count: usize,
     ) -> Coasted<SivaState<Phase<H>, R>, R> {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let Some(mut mass) = Drifting::of(&self.host, pieces, state) else {
-                    return (*state, DoubleDouble::ZERO);
-                };
-                let mut left = count;
-                while let Some(block) = pieces.block(mass.place.block).filter(|_| left > 0) {
-                    let point = (mass.place.point + left).min(block.count() - 1);
-                    left -= point - mass.place.point;
-                    mass = mass.moved(block, point);
-                }
-                (self.state_of(pieces, &state.host.phase, &mass), mass.time)
-            },
-        )
+        let Some(mut mass) = Drifting::of(&self.host, pieces, state) else {
+            return (*state, DoubleDouble::ZERO);
+        };
+        let mut left = count;
+        while let Some(block) = pieces.block(mass.place.block).filter(|_| left > 0) {
+            let point = (mass.place.point + left).min(block.count() - 1);
+            left -= point - mass.place.point;
+            mass = mass.moved(block, point);
+        }
+        (self.state_of(pieces, &state.host.phase, &mass), mass.time)
     }
 
     /// The state of a free mass at a point.

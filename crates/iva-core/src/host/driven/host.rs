@@ -111,10 +111,7 @@ impl<R: Real> Host for DrivenHost<R> {
 
     fn begin_at(&self, time: Clock<R>) -> Moment<R> {
         let (time, kicks) = self.forces.force.begin(time);
-        R::dispatched(
-            #[inline(always)]
-            || self.forces.moment(time, kicks, &Smooth::ALL),
-        )
+        self.forces.moment(time, kicks, &Smooth::ALL)
     }
 
     fn balanced(&self, phase: &Moment<R>, v: DoubleDouble<R>) -> DoubleDouble<R> {

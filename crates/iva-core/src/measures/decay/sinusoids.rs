@@ -16,6 +16,7 @@ use crate::measures::Wanted;
 use crate::measures::log::{Entry, Log};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};
+use crate::number::vectors::in_vectors;
 use crate::segment::flight::Motion;
 
 /// Number of motions side by side.
@@ -140,7 +141,7 @@ impl<S: Absorber> Measures<S> {
     fn take_log(&mut self) {
         if let Some(mut decay) = self.decay.take() {
             let log = std::mem::take(&mut decay.log);
-            f64::dispatched(
+            in_vectors(
                 #[inline(always)]
                 || decay.measure(self, log.entries()),
             );

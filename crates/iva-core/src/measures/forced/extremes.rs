@@ -154,10 +154,7 @@ impl Forced {
     /// [`Forced::largest_in`] from the extrema of the polynomial.
     #[inline(never)]
     fn searched<const DRIVE: u8>(&self, of: Quantity, part: &Part, least: f64) -> f64 {
-        let course = f64::dispatched(
-            #[inline(always)]
-            || course::<DRIVE>(of, &self.structure, &self.responses, &part.begin),
-        );
+        let course = course::<DRIVE>(of, &self.structure, &self.responses, &part.begin);
         let end = part.length * self.structure.over_longest;
         polynomial::largest(&course, [0.0, end], least)
     }

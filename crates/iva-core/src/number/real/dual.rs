@@ -1,4 +1,4 @@
-//! Numbers with derivatives: forward-mode automatic differentiation.
+//! Numbers with derivatives: forward-mode automatic differentiation, for the tangents of power series.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -9,7 +9,7 @@ use crate::number::compensated::DoubleDouble;
 
 /// A value and its derivatives with respect to N variables.
 #[derive(Debug, Clone, Copy)]
-pub struct Dual<const N: usize = 1> {
+pub struct Dual<const N: usize> {
     /// The value.
     pub value: f64,
     /// The derivatives, one for each variable.
@@ -20,13 +20,6 @@ impl<const N: usize> Dual<N> {
     /// A constant: all derivatives are 0.
     pub const fn constant(value: f64) -> Self {
         Self { value, slopes: [0.0; N] }
-    }
-
-    /// The variable of index `number`: its derivative with respect to itself is 1.
-    pub fn variable(value: f64, number: usize) -> Self {
-        let mut slopes = [0.0; N];
-        slopes[number] = 1.0;
-        Self { value, slopes }
     }
 
     /// f of this number, by the chain rule from f and f′ at its value.
@@ -41,7 +34,7 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-/// A run in these numbers takes the same decisions as in doubles: the values have the same bits.
+/// The values have the bits of doubles.
 impl<const N: usize> Real for Dual<N> {
     const ZERO: Self = Self::constant(0.0);
     const ONE: Self = Self::constant(1.0);
@@ -59,14 +52,6 @@ impl<const N: usize> Real for Dual<N> {
     const LEFT_OUT: Self = Self::constant(f64::LEFT_OUT);
     const NEGLIGIBLE: Self = Self::constant(f64::NEGLIGIBLE);
     const FAST_PATHS: bool = f64::FAST_PATHS;
-
-    fn given(value: f64, differentiated: bool) -> Self {
-        if differentiated { Self::variable(value, 0) } else { value.into() }
-    }
-
-    fn vanishes(self) -> bool {
-        self.value == 0.0 && self.slopes.iter().all(|slope| *slope == 0.0)
-    }
 
     fn reciprocal(n: usize) -> Self {
         Self::constant(Real::reciprocal(n))
@@ -117,21 +102,6 @@ impl<const N: usize> Real for Dual<N> {
 
     fn precise_sincos(angle: DoubleDouble<Self>) -> (DoubleDouble<Self>, DoubleDouble<Self>) {
         crate::number::trigonometry::close_sine_cosine(angle)
-    }
-
-    /// The derivative of a root follows from the derivatives of the function at the root (implicit function
-    /// theorem), not from the iteration that found it.
-    fn settled(h: Self, f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
-        let mut root = Self::constant(h.value);
-        let [value, slope] = f(root);
-        root.slopes = value.slopes.map(|moved| -moved / slope.value);
-        Some(root)
-    }
-
-    /// With a fused multiply-add and no wider vectors than it comes with: a number and its derivatives fill no more.
-    #[inline]
-    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
-        super::fused(code)
     }
 }
 
@@ -219,14 +189,14 @@ mod tests {
     /// Derivatives agree with central differences, whose error is some 1e-9.
     #[test]
     fn derivatives_are_those_of_the_functions() {
-        let f = |x: Dual| {
+        let f = |x: Dual<1>| {
             let (s, c) = (x * 0.7).sincos();
             (s / (1.0 + c * c)).atan2(x.ln()) * (2.0 - x).sqrt()
         };
         for x in [0.3, 0.9, 1.7] {
             let h = 1e-5;
             let difference = (f(Dual::constant(x + h)) - f(Dual::constant(x - h))) / (2.0 * h);
-            let [slope] = f(Dual::variable(x, 0)).slopes;
+            let [slope] = f(Dual { value: x, slopes: [1.0] }).slopes;
             assert!((slope - difference.value).abs() < 1e-8, "{x}: {slope} {}", difference.value);
         }
     }

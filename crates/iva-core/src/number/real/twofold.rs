@@ -78,10 +78,6 @@ impl Real for Twofold {
     /// Every stretch of flight is searched, as a check of the proofs that replace the search in doubles.
     const FAST_PATHS: bool = false;
 
-    fn given(value: f64, _differentiated: bool) -> Self {
-        value.into()
-    }
-
     fn reciprocal(n: usize) -> Self {
         Self::ONE / n as f64
     }

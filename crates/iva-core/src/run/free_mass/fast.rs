@@ -11,7 +11,6 @@ use crate::host::oscillator::{Equation, Primary};
 use crate::host::{DrivenHost, Host, Moment, Phase, Steps};
 use crate::number::arrays::Lanes as _;
 use crate::number::compensated::DoubleDouble;
-use crate::number::real::Real;
 
 /// A state at rest in the middle of the gap.
 const AT_REST: State =
@@ -129,10 +128,7 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         self.tables.set(i, &log.responses);
         self.structures.set(i, &log.structure);
         let state = from.state.in_doubles();
-        let [force, quadrature] = f64::dispatched(
-            #[inline(always)]
-            || log.structure.force_at(from.clock),
-        );
+        let [force, quadrature] = log.structure.force_at(from.clock);
         Some(State { force, quadrature, ..state })
     }
 

@@ -8,7 +8,6 @@ use crate::absorber::siva::{Siva, SivaState};
 use crate::absorber::{Clock, Wall};
 use crate::host::{Host, Phase};
 use crate::number::arrays::Lanes as _;
-use crate::number::real::Real as _;
 
 /// The impacts of a lane that its run has not taken yet.
 #[derive(Debug)]
@@ -104,15 +103,12 @@ impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> FreeMasses<
         mut take: impl FnMut(&Impact, [&SivaState<Phase<H>>; 2]),
     ) {
         let Some(Struck { impacts, after: Some(after) }) = self.struck.get_mut(i) else { return };
-        f64::dispatched(
-            #[inline(always)]
-            || {
-                for (impact, after) in impacts.iter().zip(after.drain(..)) {
-                    let after = self.tier.shown(&after, system, Clock::new(impact.time));
-                    take(impact, [&after.before(impact), &after]);
-                }
-            },
-        );
+        {
+            for (impact, after) in impacts.iter().zip(after.drain(..)) {
+                let after = self.tier.shown(&after, system, Clock::new(impact.time));
+                take(impact, [&after.before(impact), &after]);
+            }
+        };
     }
 
     /// Hands out the listed impacts of a lane, each with the states before and after it, and forgets them.

@@ -7,7 +7,6 @@ use crate::absorber::{Absorber, ImpactLaw, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, show_coast};
 use crate::number::arrays::Lanes as _;
-use crate::number::real::Real as _;
 
 /// Number of flights after which a run shows them, so that a long run needs no more memory.
 const MOST_FLIGHTS: usize = 256;
@@ -78,16 +77,11 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     /// The states at both ends of a flight, the latter before an impact.
     fn ends(&self, i: usize, flight: &Stretch<T::State>, system: &T::System) -> [State<T>; 2] {
         let Stretch { clock, from, h, later, hit, far, .. } = flight;
-        let end = f64::dispatched(
+        let end = self.tier.with(
+            i,
+            from,
             #[inline(always)]
-            || {
-                self.tier.with(
-                    i,
-                    from,
-                    #[inline(always)]
-                    |mass, from| mass.touching(&mass.nearly(from, *h), *hit, *far, *later),
-                )
-            },
+            |mass, from| mass.touching(&mass.nearly(from, *h), *hit, *far, *later),
         );
         let finish = clock.plus_parts(*h, *later);
         [self.tier.unload(from, system, *clock), self.tier.unload(&end, system, finish)]

@@ -9,7 +9,6 @@ use crate::engine::simulate::Run;
 use crate::measures::Ledger;
 use crate::measures::steady::{Quiet, Steady};
 use crate::number::arrays::{Laned, laned};
-use crate::number::real::Real;
 use crate::number::real::pick;
 use crate::run::side_by_side::ScalarRun;
 
@@ -111,10 +110,7 @@ impl<P: Laned> Lane<P> {
         run: &mut Run<'_, Piva<H>, O>,
     ) {
         run.progress = self.progress;
-        run.tally.state = f64::dispatched(
-            #[inline(always)]
-            || raised::<H>(scene, &self.state),
-        );
+        run.tally.state = raised::<H>(scene, &self.state);
         if self.stopped {
             run.reach_end();
         }

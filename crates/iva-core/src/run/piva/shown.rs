@@ -7,7 +7,6 @@ use crate::absorber::piva::{Known, Piva, PivaFlight};
 use crate::absorber::{Absorber, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::number::arrays::Lanes as _;
-use crate::number::real::Real;
 use crate::run::side_by_side::ScalarRun;
 use crate::segment::flight::Motion;
 
@@ -28,14 +27,11 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
         let own = round.hit.then(|| self.struck[i].pop()).flatten();
         self.tell(i, run);
         let (start, laid) = (self.begins.0[i], self.begins.1.get(i));
-        let (from, end, contact) = f64::dispatched(
-            #[inline(always)]
-            || {
-                let [touching, after] = [&round.touching, &round.after];
-                let contact = [seen::<H>(&scene, touching), seen::<H>(&scene, after)];
-                (raised::<H>(&scene, &laid), seen::<H>(&scene, &round.end), contact)
-            },
-        );
+        let (from, end, contact) = {
+            let [touching, after] = [&round.touching, &round.after];
+            let contact = [seen::<H>(&scene, touching), seen::<H>(&scene, after)];
+            (raised::<H>(&scene, &laid), seen::<H>(&scene, &round.end), contact)
+        };
         let Round { losses, square, limits, length, .. } = round;
         let drive = H::DRIVEN.then(|| self.rows.drive(i));
         let series = (self.rows.get::<N>(i), drive);

@@ -69,7 +69,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, T, LENGT
         let n = T::from_real;
         let is = self.member.pendulum;
         let mut rest = n(is.frequency_squared) * self.y[k];
-        if !is.pivot_damping.vanishes() {
+        if is.pivot_damping != 0.0 {
             rest = n(is.pivot_damping).fused(self.w[k], rest);
         }
         if is.spring.acts {
@@ -131,7 +131,6 @@ pub(crate) fn series_of_several<R: Real, T: Number<Real = R>, const LENGTH: usiz
     }
     let over_inertia = T::reciprocal(1) / (T::reciprocal(1) + inertia);
     let (step, over_step) = (n(h), T::over(h));
-    // Loops instead of closures, which would be compiled without the instructions of who calls this.
     let mut growing: Vec<Growing<'_, T, LENGTH>> = Vec::with_capacity(members.len());
     for member in members {
         growing.push(Growing::new(member));

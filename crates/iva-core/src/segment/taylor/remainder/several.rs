@@ -43,7 +43,6 @@ impl<R: Real> RemainderOfSeveral<R> {
     ) -> Option<Self> {
         let (length, n) = (h * most, R::from(ORDER as f64));
         let of_structure = Sums::new::<ORDER>(structure, most);
-        // Loops instead of closures, which would be compiled without the instructions of who calls this.
         let mut seen = Vec::with_capacity(flying.len());
         for it in flying {
             let sums = Sums::new::<ORDER>(it.series, most);

@@ -8,22 +8,14 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::cells::Cell;
-use crate::columns::columns;
-use crate::engine::design::Design;
-use crate::engine::given::Given;
-use crate::engine::point::{Estimates, Request, run};
-use crate::engine::rows::summary_row;
-use crate::error::Invalid;
-use crate::fields::FieldId;
-use crate::side_by_side;
-use crate::study::{Study, Table};
-use crate::sweep::{SweepError, Tables};
-use crate::tables::{Content, TableBuilder, schema_of};
-use iva_core::absorber::Absorber;
-use iva_core::real::Real;
+use iva_core::error::Invalid;
 use iva_core::real::twofold::Twofold;
-use iva_core::run::side_by_side::Tier;
+use iva_sweep::columns::columns;
+use iva_sweep::engine::given::Given;
+use iva_sweep::fields::FieldId;
+use iva_sweep::listed::{Cell, Content, Rows, rows, rows_of_sweep, table};
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{SweepError, Tables};
 
 /// The results of a verification.
 #[derive(Debug, Clone)]
@@ -61,30 +53,35 @@ impl Finding {
 /// # Errors
 /// [`SweepError`] for an invalid design.
 pub fn verify(study: &Study, cancel: &AtomicBool) -> Result<Verification, SweepError> {
-    let first = in_doubles(study, cancel)?;
+    let first = rows_of_sweep(study, cancel)?;
     let second = in_twofold(study, cancel)?;
     let mut verification = Verification { errors: Tables::new(), findings: Vec::new() };
-    for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
-        let mut builder = TableBuilder::new(schema_of(study, table, &Content::Errors)?, 1);
-        let first: Vec<_> = first.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
-        let second: Vec<_> = second.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
-        let same = first.iter().zip(&second).take_while(|(a, b)| alike(table, a, b)).count();
-        let mut finding =
-            Finding { table, rows: [first.len(), second.len()], alike: same, largest: None };
+    for &of in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
+        let (first, second) = (rows_of(&first, of), rows_of(&second, of));
+        let same = first.iter().zip(&second).take_while(|(a, b)| alike(of, a, b)).count();
+        let rows = [first.len(), second.len()];
+        let mut finding = Finding { table: of, rows, alike: same, largest: None };
+        let mut errors = Vec::with_capacity(first.len());
         for (index, row) in first.iter().enumerate() {
             let truth = second.get(index).filter(|_| index < same);
-            builder.row(row.iter().enumerate().map(|(place, cell)| {
+            let cells = row.iter().enumerate().map(|(place, cell)| {
                 let error = error(cell, truth.map(|truth| &truth[place]));
                 if let Cell::Number(error) = error {
                     finding.take(error, place);
                 }
                 error
-            }));
+            });
+            errors.push(cells.collect());
         }
-        verification.errors.insert(table, builder.finish()?);
+        verification.errors.insert(of, table(study, of, &Content::Errors, errors)?);
         verification.findings.push(finding);
     }
     Ok(verification)
+}
+
+/// The rows of one table.
+pub(crate) fn rows_of<R>(rows: &Rows<R>, table: Table) -> Vec<&[Cell<R>]> {
+    rows.iter().filter(|row| row.0 == table).map(|row| &*row.1).collect()
 }
 
 impl Finding {
@@ -110,7 +107,7 @@ fn error(cell: &Cell, truth: Option<&Cell<Twofold>>) -> Cell {
 
 /// True if two rows describe the same events: their cells have the same types and nulls, and are equal unless
 /// they are numbers. The column `tier` may differ, because the second run is always exact.
-fn alike(table: Table, a: &[Cell], b: &[Cell<Twofold>]) -> bool {
+pub(crate) fn alike(table: Table, a: &[Cell], b: &[Cell<Twofold>]) -> bool {
     let is_tier = |place: usize| place > 0 && columns(table)[place - 1].name == "tier";
     a.iter().zip(b).enumerate().all(|(place, cells)| match cells {
         _ if is_tier(place) => true,
@@ -124,39 +121,11 @@ fn alike(table: Table, a: &[Cell], b: &[Cell<Twofold>]) -> bool {
     })
 }
 
-type Rows<R> = Vec<(Table, Vec<Cell<R>>)>;
-
-fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> {
-    let (design, request) = (study.design(0)?, Request::new(study));
-    let fast = design.tier == Tier::Fast && !request.lists();
-    let designs = if fast { std::slice::from_ref(&design) } else { &[] };
-    let Some((ended, _)) = side_by_side::run(designs, &request, cancel)?.pop().flatten() else {
-        return rows(study, &design, cancel);
-    };
-    Ok(vec![(Table::Summary, summary_row(study, 0, &design, &ended, &request.columns))])
-}
-
+/// The rows of the run in numbers of twice the precision, at full accuracy.
 fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Invalid> {
     let mut spec = study.spec(0)?;
     if spec.get(FieldId::Tolerance).is_some() {
         spec.set(FieldId::Tolerance, 0.0)?;
     }
-    rows(study, &Given::new(&spec).design()?, cancel)
+    rows(study, &Given::new(&spec).design()?, cancel, ())
 }
-
-fn rows<R: Real>(
-    study: &Study,
-    design: &Design<R>,
-    cancel: &AtomicBool,
-) -> Result<Rows<R>, Invalid> {
-    let (mut rows, request) = (Vec::new(), Request::new(study));
-    let ended = run(study, 0, design, &request, cancel, (), &mut |table, cells| {
-        rows.push((table, cells.collect()));
-    })?;
-    if request.summary {
-        rows.push((Table::Summary, summary_row(study, 0, design, &ended, &request.columns)));
-    }
-    Ok(rows)
-}
-
-impl<S: Absorber> Estimates<S> for () {}

@@ -1,0 +1,310 @@
+//! Derivatives of results with respect to a given number: differences of runs to twice the precision.
+//!
+//! The number is changed by 2⁻⁶⁰ of itself, which twice the precision resolves to a last digit and doubles do not at all.
+//! A difference of two runs then leaves out 2⁻¹²⁰ of the third derivative, and keeps some 16 digits of the 32 that
+//! each has: so every number of every row comes with its derivative to the rounding of doubles, in the user's units, and
+//! up to the instant from which on the motion is too sensitive to some ten digits. What a formula for derivatives
+//! would tell of jumps at impacts (the saltation matrix) and of summed chatters is in the difference. A measure that
+//! jumps (a settling time, where the last crossing moves to another half cycle) has the derivative of its current branch.
+//!
+//! The rows are those of the run in doubles. From the first impact whose estimated error reaches 10⁻³/ωn on, and from
+//! the first event that another run does not have, all derivatives are null.
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::Invalid;
+use iva_core::real::Real;
+use iva_core::real::twofold::Twofold;
+use iva_sweep::choices::Kind;
+use iva_sweep::columns::columns;
+use iva_sweep::design::{Design, Spec};
+use iva_sweep::engine::given::Given;
+use iva_sweep::fields::{Allowed, FieldId, Part, Quantity};
+use iva_sweep::listed::{Beside, Cell, Closeness, Content, Rows, rows, table};
+use iva_sweep::slot::Slot;
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{SweepError, Tables};
+
+use crate::verify::{alike, rows_of};
+
+/// Relative change of the parameter (absolute for a parameter of 0) between two runs: 2⁻⁶⁰.
+const STEP: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// Steps and weights of a difference quotient of second order: between both sides of the parameter or, where it lies at
+/// an end of its range, from one side.
+const QUOTIENTS: [&[(f64, f64)]; 3] = [
+    &[(-1.0, -0.5), (1.0, 0.5)],
+    &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
+    &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
+];
+
+/// Relative change of the parameter (absolute for a parameter of 0) that must be able to turn an impact into
+/// a grazing, to first order, for the impact to count as close to one.
+const GRAZING: f64 = 1e-3;
+
+/// Estimated error of an impact time, in 1/ωn, from which on the motion is too sensitive for derivatives:
+/// beyond it rounding decides which impacts follow.
+const SENSITIVE: f64 = 1e-3;
+
+/// Fields that decide when a run stops or what it lists: results are not differentiated with respect to them.
+const NOT_PHYSICAL: [FieldId; 5] = [
+    FieldId::MaxImpacts,
+    FieldId::MaxWork,
+    FieldId::Tolerance,
+    FieldId::ChatterFloor,
+    FieldId::Discard,
+];
+
+/// Fields that are 0 where a scene is of another kind, which a run does not have: without friction or dashpot, or with an
+/// impulse that is part of the start.
+const OTHER_AT_ZERO: [FieldId; 4] =
+    [FieldId::Friction, FieldId::GapDamping, FieldId::GapDampingRatio, FieldId::ImpulseTime];
+
+/// The tables of a study without axes, with derivatives in place of numbers. All else is as in the run,
+/// except `near_grazing` of the impacts, which is true from the first impact on that is close to a grazing.
+/// The summary has the additional column `sensitive_from`: the instant from which on derivatives are null
+/// because rounding decides what happens.
+///
+/// `key` names the parameter as in a sweep.
+///
+/// # Errors
+/// [`SweepError`] for an unknown key, a parameter that is not given and has no default, or an invalid
+/// design.
+pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables, SweepError> {
+    let slot =
+        Slot::from_key(key).map_err(|error| Invalid { field: "gradients".to_owned(), ..error })?;
+    let mut spec = study.spec(0)?;
+    let value = given(study, &mut spec, slot)?;
+    if value == 0.0 && OTHER_AT_ZERO.contains(&slot.field) {
+        let rule = "at 0 it has no derivative, as the scene is of another kind; give a number above 0, or sweep it";
+        return Err(Invalid::new("gradients", format!("`{}`", slot.path()), rule).into());
+    }
+    let size = if value == 0.0 { 1.0 } else { value.abs() };
+    // Events tell up to when the runs are alike.
+    let mut with_events = study.clone();
+    for table in [Table::Impacts, Table::Episodes] {
+        if !with_events.tables.contains(&table) {
+            with_events.tables.push(table);
+        }
+    }
+    let runs = Differentiated::new(&with_events, &spec, (slot, size), cancel)?;
+    let content = Content::Derivatives { by: slot, key: key.to_owned() };
+    let shown = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
+    shown.map(|&of| Ok((of, table(study, of, &content, runs.derivatives(of))?))).collect()
+}
+
+/// A run in doubles, and the runs of a difference quotient beside it.
+struct Differentiated {
+    /// The rows of the run in doubles.
+    rows: Rows<f64>,
+    /// How close its impacts are to being others.
+    closeness: Closeness,
+    /// The runs to twice the precision.
+    beside: Vec<Weighted>,
+    /// The size of the parameter, of which a step is a part.
+    size: f64,
+    /// The instant from which on derivatives are not known, in the user's unit.
+    until: Option<f64>,
+    /// A period 2π/ωn, in the user's unit.
+    period: f64,
+}
+
+/// A run in a difference quotient.
+struct Weighted {
+    weight: f64,
+    natural_frequency: Twofold,
+    rows: Rows<Twofold>,
+}
+
+impl Differentiated {
+    fn new(
+        study: &Study,
+        spec: &Spec,
+        (slot, size): (Slot, f64),
+        cancel: &AtomicBool,
+    ) -> Result<Self, Invalid> {
+        let plain = spec.design()?;
+        let mut closeness = Closeness::default();
+        let watched: Beside<'_> = (None, (None, Some(&mut closeness)));
+        let found = rows(study, &plain, cancel, watched)?;
+        let mut beside = Vec::new();
+        for (weight, design) in quotient(spec, slot, size)? {
+            let rows = rows(study, &design, cancel, ())?;
+            beside.push(Weighted {
+                weight,
+                natural_frequency: design.scale.natural_frequency,
+                rows,
+            });
+        }
+        let sensitive = sensitive_from(&closeness).map(|time| plain.scale.time(time));
+        let parted = beside.iter().filter_map(|it| parted(&found, &it.rows));
+        let until = parted.chain(sensitive).reduce(f64::min);
+        let period = plain.scale.time(std::f64::consts::TAU);
+        Ok(Self { rows: found, closeness, beside, size, until, period })
+    }
+
+    /// The rows of a table with derivatives in place of numbers.
+    fn derivatives(&self, table: Table) -> Vec<Vec<Cell>> {
+        let rows = rows_of(&self.rows, table);
+        let others: Vec<_> = self.beside.iter().map(|it| rows_of(&it.rows, table)).collect();
+        let mut met = false;
+        let row = |(index, row): (usize, &&[Cell])| {
+            let others: Option<Vec<_>> =
+                others.iter().map(|rows| rows.get(index).copied()).collect();
+            // A row of events is one of the same event; what is known of a summary of other events, `is_known` tells.
+            let others = others.filter(|others| {
+                table == Table::Summary || others.iter().all(|other| alike(table, row, other))
+            });
+            let derivative = |place: usize| {
+                let others = others.as_ref().filter(|_| self.is_known(table, row, place))?;
+                self.slope(others.iter().map(|other| &other[place]), |_| Twofold::ONE)
+            };
+            let mut cells: Vec<Cell> = row.iter().cloned().collect();
+            for (place, cell) in cells.iter_mut().enumerate() {
+                if let Cell::Number(_) = cell {
+                    *cell = derivative(place).map_or(Cell::Null, Cell::Number);
+                }
+            }
+            match table {
+                Table::Summary => cells.push(self.until.map_or(Cell::Null, Cell::Number)),
+                Table::Impacts => {
+                    met |= self.is_close(index, others.as_deref());
+                    cells[place_of(table, "near_grazing")] = Cell::Flag(met);
+                }
+                _ => {}
+            }
+            cells
+        };
+        rows.iter().enumerate().map(row).collect()
+    }
+
+    /// The difference quotient of some cells, each times a factor; `None` where there is no number.
+    fn slope<'a>(
+        &self,
+        cells: impl Iterator<Item = &'a Cell<Twofold>>,
+        factor: impl Fn(&Weighted) -> Twofold,
+    ) -> Option<f64> {
+        let mut sum = Twofold::ZERO;
+        for (run, cell) in self.beside.iter().zip(cells) {
+            let Cell::Number(value) = cell else { return None };
+            sum += *value * factor(run) * run.weight;
+        }
+        let slope = f64::from(sum / (STEP * self.size));
+        slope.is_finite().then_some(slope)
+    }
+
+    /// True if a small change of the parameter could turn an impact into a grazing.
+    fn is_close(&self, index: usize, others: Option<&[&[Cell<Twofold>]]>) -> bool {
+        let time = place_of(Table::Impacts, "time");
+        // In natural time: a change of ωn alone moves no impact towards another.
+        let slope = others.and_then(|others| {
+            self.slope(others.iter().map(|row| &row[time]), |run| run.natural_frequency)
+        });
+        let (Some(slope), Some(bend)) = (slope, self.closeness.1.impacts.get(index)) else {
+            return true;
+        };
+        bend.is_grazing_within(slope * GRAZING * self.size)
+    }
+
+    /// True if a number of a row is decided before the instant from which on derivatives are not known.
+    fn is_known(&self, table: Table, row: &[Cell], place: usize) -> bool {
+        let Some(until) = self.until else { return true };
+        let columns = columns(table);
+        // The first cell is `point`, which has no column.
+        let before = |place: usize| match (&row[place], columns[place - 1].quantity) {
+            (Cell::Number(time), Quantity::Time) => *time < until,
+            _ => true,
+        };
+        match (table, columns[place - 1].name) {
+            (Table::Summary, "settling_time_10" | "settling_time_5" | "settling_time_2") => {
+                before(place)
+            }
+            (Table::Summary, "energy_initial" | "gravity") => true,
+            (Table::Summary, "damping_ratio_energy") => self.period < until,
+            // All others depend on the whole run.
+            (Table::Summary | Table::Absorbers, _) => false,
+            // An event is known if all its instants are.
+            _ => (1..row.len()).all(before),
+        }
+    }
+}
+
+/// The designs of the first difference quotient whose runs there are, each with its weight.
+fn quotient(spec: &Spec, slot: Slot, size: f64) -> Result<Vec<(f64, Design<Twofold>)>, Invalid> {
+    let mut spec = spec.clone();
+    if spec.get(FieldId::Tolerance).is_some() {
+        spec.set(FieldId::Tolerance, 0.0)?;
+    }
+    let designs = |steps: &[(f64, f64)]| {
+        let design = |&(step, weight): &(f64, f64)| {
+            let step = Twofold::from(step * STEP * size);
+            Given::shifted(&spec, slot, step).design().map(|design| (weight, design))
+        };
+        steps.iter().map(design).collect::<Result<Vec<_>, _>>()
+    };
+    let [central, forward, backward] = QUOTIENTS;
+    designs(central).or_else(|_| designs(forward)).or_else(|_| designs(backward))
+}
+
+/// The instant of the first impact that is too sensitive, in 1/ωn; `None` if there is none.
+fn sensitive_from((errors, bends): &Closeness) -> Option<f64> {
+    let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);
+    let first = errors.impacts.iter().position(|error| sensitive(error.time))?;
+    Some(bends.impacts.get(first)?.time)
+}
+
+/// The instant of the first event that one of two runs does not have; `None` if they have the same.
+fn parted(rows: &Rows<f64>, exact: &Rows<Twofold>) -> Option<f64> {
+    let of = |table| {
+        let (rows, exact) = (rows_of(rows, table), rows_of(exact, table));
+        let same = rows.iter().zip(&exact).take_while(|(a, b)| alike(table, a, b)).count();
+        let first = columns(table).iter().position(|column| column.quantity == Quantity::Time)? + 1;
+        let number = |cell: &Cell| if let Cell::Number(it) = cell { Some(*it) } else { None };
+        let exactly = |cell: &Cell<Twofold>| match cell {
+            Cell::Number(it) => Some(f64::from(*it)),
+            _ => None,
+        };
+        let one = rows.get(same).and_then(|row| number(&row[first]));
+        let other = exact.get(same).and_then(|row| exactly(&row[first]));
+        one.into_iter().chain(other).reduce(f64::min)
+    };
+    [Table::Impacts, Table::Episodes].into_iter().filter_map(of).reduce(f64::min)
+}
+
+/// The place of a column in a row, which begins with the point.
+fn place_of(table: Table, name: &str) -> usize {
+    1 + columns(table).iter().position(|column| column.name == name).unwrap_or(0)
+}
+
+/// The value of the parameter; if it was not given, its default is set in the spec.
+fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
+    let refused = |rule: &str| Invalid::new("gradients", format!("`{}`", slot.path()), rule);
+    if NOT_PHYSICAL.contains(&slot.field) {
+        return Err(refused("the motion does not depend on it"));
+    }
+    if slot.info().part != Part::Force {
+        spec.check(slot).map_err(|rule| refused(&rule))?;
+    }
+    if matches!(slot.info().allowed, Allowed::Units | Allowed::Exponent) {
+        return Err(refused("it has values apart from each other; sweep it"));
+    }
+    let found =
+        spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
+    // The derivative at 0 does not exist: with any inclination the absorber starts elsewhere.
+    let inclines = slot.field.same_quantity(FieldId::Inclination);
+    let rubs = spec.get_of(0, FieldId::Friction).is_some_and(|friction| friction != 0.0);
+    let weighs = slot.field == FieldId::Gravity && spec.choices().kind == Kind::Siva && !rubs;
+    if (inclines || weighs) && !study.rises() {
+        return Err(refused("the line of motion is level; give one that rises"));
+    }
+    if let Some((_, value)) = found {
+        return Ok(value);
+    }
+    if let Some((other, _)) = spec.given().find(|(other, _)| other.same_quantity(slot)) {
+        return Err(refused(&format!("{} is given in its place; give that name", other.path())));
+    }
+    match study.default(slot.field).filter(|_| slot.info().part != Part::Force) {
+        Some(value) => spec.set(slot, value).map(|()| value),
+        None => Err(refused("it is not given")),
+    }
+}
