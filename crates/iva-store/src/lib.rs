@@ -5,8 +5,8 @@
 //! [`manifest`]. [`output`] is the folder of a single run. [`inputs`] are points and records that are kept
 //! beside the tables, [`points_file`] reads and writes files of points. Below them: `directory` is an open
 //! folder in which no link is followed, [`folder`] knows the layout of a result and which files belong to it,
-//! `claim` locks it against other processes, `exchange` replaces one result by another, and `claims` checks
-//! the sizes that a file states before it is decoded.
+//! `claim` locks it against other processes, `exchange` replaces one result by another, `claims` checks the
+//! sizes that a file states before it is decoded, and `csv` reads and writes text with commas.
 //!
 //! The text of a study is kept and handed back; its TOML is not read here. A failure is an [`Error`] that
 //! carries data; the names of options in the advice to the user come from the front, see [`remedy`].
@@ -15,6 +15,7 @@ mod caught;
 mod claim;
 mod claims;
 mod created;
+mod csv;
 mod directory;
 pub mod error;
 mod exchange;

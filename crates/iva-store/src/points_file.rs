@@ -1,7 +1,6 @@
 //! Files of the points of a sweep: Parquet, Arrow IPC or CSV, by the ending of the name. Each row is a point,
 //! each column a quantity with the key of an axis as its name.
 
-use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 use std::sync::Arc;
@@ -12,8 +11,6 @@ use arrow_array::types::{
     UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch};
-use arrow_csv::reader::Format as CsvFormat;
-use arrow_csv::{ReaderBuilder, reader::BufReader as CsvReader};
 use arrow_ipc::reader::FileReader;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use iva_sweep::sampling::Rows;
@@ -23,12 +20,16 @@ use parquet::errors::ParquetError;
 
 use crate::caught::{DAMAGED, caught};
 use crate::claims::{self, check_rows};
+use crate::csv;
 use crate::directory::Directory;
 use crate::error::Error;
 use crate::regular_file;
 
 /// Largest number of columns of a file, which is more than a study has quantities.
 const MOST_COLUMNS: usize = 1000;
+
+/// Number of rows of a batch of a CSV file.
+const BATCH_ROWS: usize = 1024;
 
 /// Columns of a file of points: the key of a quantity, and its value at each point.
 pub type Columns = Vec<(String, Vec<f64>)>;
@@ -71,7 +72,8 @@ fn read(path: &Path) -> Result<Columns, String> {
             (Arc::new(schema), Some(rows), Box::new(reader))
         }
         "csv" => {
-            let reader = csv(open()?).map_err(broken)?;
+            let file = BufReader::new(open()?);
+            let reader = csv::Reader::of_numbers(file, BATCH_ROWS).map_err(broken)?;
             let schema = reader.schema();
             check_columns(&schema)?;
             (schema, None, Box::new(reader))
@@ -137,17 +139,6 @@ fn broken(reason: ArrowError) -> String {
         ArrowError::ParseError(reason) | ArrowError::CsvError(reason) => first_line(&reason),
         other => first_line(&other.to_string()),
     }
-}
-
-/// A reader of a CSV file whose columns are all read as floating-point numbers.
-fn csv(mut file: File) -> Result<CsvReader<BufReader<File>>, ArrowError> {
-    // The header gives the names only, since the type of every column is known.
-    let (heading, _) = CsvFormat::default().with_header(true).infer_schema(&file, Some(0))?;
-    file.rewind()?;
-    let field = |field: &Arc<Field>| Field::new(field.name().trim(), DataType::Float64, true);
-    let fields: Vec<Field> = heading.fields().iter().map(field).collect();
-    let builder = ReaderBuilder::new(Arc::new(Schema::new(fields))).with_header(true);
-    builder.build_buffered(BufReader::new(file))
 }
 
 /// Appends the rows of a batch.

@@ -13,7 +13,6 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use arrow_array::RecordBatch;
-use arrow_csv::WriterBuilder;
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::{ArrowError, DataType, FieldRef, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
@@ -25,6 +24,7 @@ use parquet::schema::types::ColumnPath;
 
 use sha2::{Digest, Sha256};
 
+use crate::csv;
 use crate::directory::Directory;
 use crate::error::Error;
 use crate::regular_file;
@@ -203,7 +203,7 @@ pub struct TableFile {
 enum Writer {
     Parquet(Box<ArrowWriter<Hashing>>),
     Arrow(Box<FileWriter<BufWriter<Hashing>>>),
-    Csv(Box<arrow_csv::Writer<BufWriter<Hashing>>>),
+    Csv(BufWriter<Hashing>),
 }
 
 impl TableFile {
@@ -233,7 +233,7 @@ impl TableFile {
                 let mut file = BufWriter::new(file);
                 file.write_all(csv_head(&schema, style.units_row).as_bytes())
                     .map_err(|reason| Error::io("write", path, reason))?;
-                Writer::Csv(Box::new(WriterBuilder::new().with_header(false).build(file)))
+                Writer::Csv(file)
             }
         };
         Ok(Self { path: path.to_owned(), schema, writer, rows: 0 })
@@ -251,7 +251,9 @@ impl TableFile {
         match writer {
             Writer::Parquet(writer) => writer.write(&rows).map_err(|e| parquet_fault(path, e)),
             Writer::Arrow(writer) => writer.write(&rows).map_err(|e| arrow_fault(path, e)),
-            Writer::Csv(writer) => writer.write(&rows).map_err(|e| arrow_fault(path, e)),
+            Writer::Csv(file) => {
+                csv::write_rows(file, &rows).map_err(|reason| Error::io("write", path, reason))
+            }
         }
     }
 
@@ -272,7 +274,7 @@ impl TableFile {
             Writer::Arrow(writer) => {
                 unbuffered(writer.into_inner().map_err(|error| arrow_fault(&path, error))?)?
             }
-            Writer::Csv(writer) => unbuffered(writer.into_inner())?,
+            Writer::Csv(file) => unbuffered(file)?,
         };
         file.file.sync_all().map_err(failed)?;
         Ok(Contents { rows, bytes: file.bytes, sha256: hexadecimal(file.hash) })
@@ -337,7 +339,6 @@ fn csv_head(schema: &Schema, units_row: bool) -> String {
 fn arrow_fault(path: &Path, error: ArrowError) -> Error {
     match error {
         ArrowError::IoError(_, reason) => Error::io("write", path, reason),
-        ArrowError::CsvError(reason) => Error::io("write", path, io::Error::other(reason)),
         other => Error::Internal(format!("{}: {other}", path.display())),
     }
 }

@@ -7,7 +7,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use arrow_csv::ReaderBuilder;
 use arrow_ipc::reader::{FileReader, read_footer_length};
 use arrow_ipc::root_as_footer;
 use arrow_schema::{ArrowError, SchemaRef};
@@ -17,6 +16,7 @@ use parquet::file::metadata::ParquetMetaDataReader;
 use super::{Format, Style};
 use crate::caught::{DAMAGED, caught};
 use crate::claims;
+use crate::csv;
 use crate::error::Error;
 use crate::regular_file;
 
@@ -50,8 +50,7 @@ pub fn read_rows(
             for _ in 0..heads {
                 skip_line(&mut file).map_err(|reason| Error::io("read", path, reason))?;
             }
-            let builder = ReaderBuilder::new(schema).with_header(false);
-            Box::new(builder.with_batch_size(BATCH_ROWS).build(file).map_err(failed)?)
+            Box::new(csv::Reader::new(file, schema, BATCH_ROWS))
         }
     };
     for batch in batches {
