@@ -26,8 +26,6 @@ use responses::{Responses, Values};
 pub(crate) mod mass;
 pub(crate) mod responses;
 
-/// Kind of drive: none.
-pub(crate) const FREE: u8 = 0;
 /// Kind of drive: a harmonic force on the structure.
 pub(crate) const FORCE: u8 = 1;
 /// Kind of drive: a harmonic motion of the base.
@@ -100,15 +98,6 @@ impl Structure {
         let Self { damping, frequency, .. } = *self;
         // next = −(lower + 2ζ upper).
         let next = |lower: f64, upper: f64| upper.mul_add(-damping, -lower);
-        if DRIVE == FREE {
-            let a = next(at.x, at.v);
-            let jerk = next(at.v, a);
-            let snap = next(a, jerk);
-            let fifth = next(jerk, snap);
-            let sixth = next(snap, fifth);
-            let all = [a, jerk, snap, fifth, sixth, next(fifth, sixth)];
-            return [all, all];
-        }
         let rate = -(frequency * at.quadrature);
         let square = -(frequency * frequency);
         let (second, third) = (square * at.force, square * rate);
@@ -198,9 +187,6 @@ impl State {
         let a = v.mul_add(-c, f - x);
         let mut apart = a.mul_add(p, v * carried);
         let mut faster = a.mul_add(s, -(v * p));
-        if DRIVE == FREE {
-            return self.moved([h, apart, faster], [apart, faster]);
-        }
         let cosine = (square * square) * responses.at::<2>(t);
         let sine = cube * responses.at::<3>(t);
         let rapid = frequency * frequency;
@@ -257,14 +243,12 @@ impl State {
             _ => self.moved([t, apart, faster], [apart, faster]),
         };
         let mut next = moved;
-        if DRIVE != FREE {
-            let turn = structure.frequency * t;
-            let z = turn * turn;
-            let less = z * (0.5 - z * (1.0 / 24.0));
-            let sine = turn * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0)));
-            next.force = self.force - (self.force * less + self.quadrature * sine);
-            next.quadrature = self.quadrature + (self.force * sine - self.quadrature * less);
-        }
+        let turn = structure.frequency * t;
+        let z = turn * turn;
+        let less = z * (0.5 - z * (1.0 / 24.0));
+        let sine = turn * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0)));
+        next.force = self.force - (self.force * less + self.quadrature * sine);
+        next.quadrature = self.quadrature + (self.force * sine - self.quadrature * less);
         next
     }
 }

@@ -36,7 +36,7 @@ use crate::number::arrays::{Laned, Lanes, any};
 use crate::number::real::pick;
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
-pub(crate) use fast::{FastDecays, FastDriven};
+pub(crate) use fast::FastDriven;
 use lane::Lane;
 use listing::Struck;
 use round::{Round, Rounds, commit, decide};

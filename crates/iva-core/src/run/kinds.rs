@@ -4,20 +4,18 @@ use std::sync::atomic::AtomicBool;
 
 use super::decays::Decays;
 use super::forced::ForcedRuns;
-use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDecays, FastDriven};
+use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDriven};
 use super::group::{Group, grouped};
 use super::piva::Swinging;
-use super::several::Lists;
 use super::side_by_side::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
-use super::structures::{SingleForce, Undriven};
 use crate::absorber::OnStructure;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::several::{Alone, Several};
-use crate::absorber::siva::{FreeMass, Siva};
+use crate::absorber::siva::Siva;
 use crate::error::Invalid;
 use crate::force::Force;
-use crate::host::{DrivenHost, Excitation, Host, UndrivenHost};
+use crate::host::{DrivenHost, Excitation, UndrivenHost};
 use crate::measures::Wanted;
 use crate::measures::steady::SteadyWanted;
 
@@ -78,22 +76,14 @@ const FORCED: f64 = 6.0;
 
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let tier = if Self::tier(job) == Tier::Fast { 1.0 } else { 0.0 };
         let fits = decays(job) && !job.system.varies();
-        fits.then(|| [job.system.damping_ratio(), tier])
-    }
-
-    fn tier(job: &Job<Self>) -> Tier {
-        if decays(job) && !job.system.varies() { job.tier } else { Tier::Exact }
+        fits.then(|| [job.system.damping_ratio(), 0.0])
     }
 
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        match group.tier() {
-            Tier::Fast => group.run::<Decays<FastDecays, WIDE>>(),
-            Tier::Exact => group.run::<Decays<ExactDecays, WIDE>>(),
-        }
+        group.run::<Decays<ExactDecays, WIDE>>();
     }
 }
 
@@ -105,39 +95,12 @@ impl SideBySide for Alone<DrivenHost> {
     run_jobs!();
 }
 
-/// Number of masses of the lists that go in lanes.
-const PAIR: usize = 2;
-
-/// True for a list that may go in lanes. Lanes read a constant restitution.
-fn is_pair<H: Host<Real = f64>>(list: &Several<H>) -> bool {
-    list.masses().len() == PAIR && !list.masses().iter().any(FreeMass::varies)
-}
-
 impl SideBySide for Several<UndrivenHost> {
-    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let takes = decays(job) && is_pair(&job.system);
-        takes.then(|| [job.system.damping_ratio(), 0.0])
-    }
-
     run_jobs!();
-
-    fn run(group: Group<'_, Self>) {
-        group.run::<Lists<Undriven, PAIR, LANES>>();
-    }
 }
 
 impl SideBySide for Several<DrivenHost> {
-    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let force = job.system.force().filter(|force| force.is_single())?;
-        let takes = is_pair(&job.system) && !force.moves_base();
-        takes.then_some([0.0; 2])
-    }
-
     run_jobs!();
-
-    fn run(group: Group<'_, Self>) {
-        group.run::<Lists<SingleForce<false, false, LANES>, PAIR, LANES>>();
-    }
 }
 
 impl SideBySide for Siva<DrivenHost> {

@@ -23,8 +23,6 @@ pub(crate) trait Structures: Debug + Sized + 'static {
     /// True if the stages of a round go through all lanes one after the other, so that a processor can overlap
     /// them; false if too much would have to be stored in between.
     const STAGED: bool;
-    /// True if little has to be computed for a motion, so that all of a stretch of a list fits one loop over lanes.
-    const ONE_LOOP: bool;
 
     /// Idle lanes for structures like this one.
     fn new(host: &Self::Host) -> Self;

@@ -32,7 +32,6 @@ mod inclined_lanes;
 mod invariants;
 mod lanes;
 mod limits;
-mod list_lanes;
 mod lyapunov;
 mod masses_errors;
 mod measures;

@@ -1,5 +1,4 @@
-//! What the values at both ends of a flight prove at once about one of several masses, without branches: for the event loop
-//! and for lanes.
+//! What the values at both ends of a flight prove at once about one of several masses, without branches.
 
 use super::InGap;
 use crate::absorber::siva::exact::InFlight;

@@ -68,27 +68,6 @@ pub(crate) fn drifted<R: Real>(
     [distance + seen(moved), seen(to.v - absorber)]
 }
 
-/// [`after`] in plain numbers.
-#[inline(always)]
-pub(crate) fn plainly_after(
-    steps: &Steps,
-    from: &State,
-    count: f64,
-    [c, s, slope]: [f64; 3],
-) -> State {
-    let State { x, v, distance, rate, side, .. } = *from;
-    let absorber = side.mul_add(-rate, v);
-    let time = steps.time(count).value;
-    let (there, faster) = (c.mul_add(x, s * v), slope.mul_add(v, -(s * x)));
-    State {
-        x: there,
-        v: faster,
-        distance: distance + side * absorber.mul_add(-time, there - x),
-        rate: side * (faster - absorber),
-        ..*from
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -224,19 +224,6 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         true
     }
 
-    /// True if all absorbers fly, so that a lane can go on with the run. Low impacts of a streak wait for the decision whether
-    /// they are listed.
-    pub(crate) fn all_fly(&self) -> bool {
-        let (state, at_hand) = (&self.tally.state, self.system.at_hand(&self.tally.state));
-        let goes_on = !self.ended && self.progress.remaining() > 0.0 && !self.progress.is_full();
-        let low = |k: usize| {
-            let waiting = &self.waiting[k].streak;
-            if k == at_hand { self.progress.counts.streak.low } else { waiting.low }
-        };
-        let flies = |k: usize| !self.rides(k) && !self.strikes(k, state) && low(k) == 0.0;
-        goes_on && self.due().is_none() && (0..self.system.absorbers()).all(flies)
-    }
-
     /// The contact or the release of the absorber at hand within a length.
     fn first_event<C>(&self, flight: &C, from: &S::State, length: R) -> Stretch<S::State, R>
     where
@@ -260,15 +247,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.settle();
     }
 
-    /// A stretch of this length to a state, without an event.
-    pub(crate) fn flown(&mut self, h: R, end: &S::State) {
-        let (system, state) = (self.system, self.tally.state);
-        let end = system.turned_to(end, system.at_hand(&state));
-        self.arrive(&system.flight(&state), [h, R::ZERO], end, false);
-    }
-
     /// The impact of one absorber from a state in contact.
-    pub(crate) fn strike_by(&mut self, absorber: usize, before: &S::State) {
+    fn strike_by(&mut self, absorber: usize, before: &S::State) {
         self.turn_to(absorber);
         let impact = self.strike(&self.system.turned_to(before, absorber));
         let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();

@@ -3,89 +3,18 @@
 use super::{Loaded, Tier, of_siva};
 use crate::absorber::Clock;
 use crate::absorber::plain::mass::Mass;
-use crate::absorber::plain::responses::{OfLane, Responses, Tables};
-use crate::absorber::plain::{BASE, FREE, State, Structure, Structures};
-use crate::absorber::siva::{Siva, SivaState, coasts};
+use crate::absorber::plain::responses::{OfLane, Tables};
+use crate::absorber::plain::{BASE, State, Structure, Structures};
+use crate::absorber::siva::{Siva, SivaState};
 use crate::force::{Pushes, Smooth};
-use crate::host::oscillator::{Equation, Primary};
-use crate::host::{DrivenHost, Host, Moment, Phase, Steps};
+use crate::host::oscillator::Primary;
+use crate::host::{DrivenHost, Host, Moment, Phase};
 use crate::number::arrays::Lanes as _;
 use crate::number::compensated::DoubleDouble;
 
 /// A state at rest in the middle of the gap.
 const AT_REST: State =
     State { x: 0.0, v: 0.0, force: 0.0, quadrature: 0.0, distance: 1.0, rate: 0.0, side: 1.0 };
-
-/// Free masses on one structure without drive.
-#[derive(Debug)]
-pub(crate) struct FastDecays {
-    structure: Structure,
-    responses: Responses,
-    steps: Steps,
-}
-
-impl Tier for FastDecays {
-    type System = Siva;
-    type State = State;
-    type Responses = [f64; 3];
-    type Mass<'a> = Mass<&'a Responses, FREE>;
-    const STAGED: bool = true;
-
-    of_siva!();
-
-    fn new(system: &Siva) -> Self {
-        let host = &system.host;
-        let equation = Equation::new(1.0, host.damping_ratio());
-        let responses = Responses::new(equation.damping, equation.growth, 0.0);
-        let structure = Structure::new(&equation, responses.longest);
-        Self { structure, responses, steps: Steps::new(host.free()) }
-    }
-
-    #[inline(always)]
-    fn with<T>(
-        &self,
-        _i: usize,
-        from: &State,
-        act: impl FnOnce(&Self::Mass<'_>, &State) -> T,
-    ) -> T {
-        act(&Mass { structure: self.structure, responses: &self.responses }, from)
-    }
-
-    #[inline(always)]
-    fn longest(&self, _i: usize) -> f64 {
-        self.structure.longest
-    }
-
-    #[inline(always)]
-    fn steps(&self) -> Option<&Steps> {
-        Some(&self.steps)
-    }
-
-    #[inline(always)]
-    fn responses(steps: &Steps, count: usize) -> [f64; 3] {
-        steps.responses(count).map(
-            #[inline(always)]
-            |response| response.value,
-        )
-    }
-
-    #[inline(always)]
-    fn coasted(steps: &Steps, state: &State, count: f64, by: [f64; 3]) -> State {
-        coasts::plainly_after(steps, state, count, by)
-    }
-
-    fn load(&mut self, _i: usize, from: &Loaded<'_, Siva>) -> Option<State> {
-        Some(from.state.in_doubles())
-    }
-
-    fn unload(&self, state: &State, system: &Siva, clock: Clock) -> SivaState {
-        unload(state, &system.host, clock)
-    }
-
-    fn idle(&mut self, _i: usize) -> State {
-        AT_REST
-    }
-}
 
 /// Free masses under one harmonic force each, on the structure or on its base.
 #[derive(Debug)]

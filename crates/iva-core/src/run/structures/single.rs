@@ -119,7 +119,6 @@ impl<const BASE: bool, const HEAVY: bool, const W: usize> Structures
     type Host = DrivenHost;
     type One = host::Driven<Single<BASE, HEAVY>>;
     const STAGED: bool = false;
-    const ONE_LOOP: bool = false;
 
     fn new(_host: &DrivenHost) -> Self {
         Self(Scenes::new())

@@ -18,7 +18,6 @@ impl Structures for Undriven {
     type Host = UndrivenHost;
     type One = Oscillator;
     const STAGED: bool = true;
-    const ONE_LOOP: bool = true;
 
     fn new(host: &UndrivenHost) -> Self {
         let free = host.free();
