@@ -394,8 +394,9 @@ def simulate(
     tolerance : float, optional
         0, the default, for full accuracy, up to 1e-3. Of a pendulum: what a step of its flight may
         leave out, relative to the size of each variable; small angles do not need it. Of a free
-        mass: above 0 its summary is made by the fast tier, in plain doubles, where no other table
-        and no errors are asked for. The column ``tier`` of the summary says which tier made it.
+        mass under a harmonic force: above 0 its summary is made by the fast tier, in plain doubles,
+        where no other table and no errors are asked for. Of any other free mass it changes nothing.
+        The column ``tier`` of the summary says which tier made it.
 
     Returns
     -------

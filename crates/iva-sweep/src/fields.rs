@@ -310,7 +310,7 @@ fields! {
     Discard: Run "discard" Ratio NonNegative "discard" "cycles of the harmonic force that steady-state columns leave out (default 0)";
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
     MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
-    Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "0 (default): full accuracy; above 0: a free mass in the fast tier, a pendulum in steps that leave out so much" Siva Piva;
+    Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "0 (default): full accuracy; above 0: a free mass under a harmonic force in the fast tier, a pendulum in steps that leave out so much" Siva Piva;
     ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva;
 }
 
