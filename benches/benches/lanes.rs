@@ -11,24 +11,19 @@ use iva_benches::{
     decays as scenes, decays_after_a_blow, driven_jobs, driven_pendulums, fast, swinging_decays,
     upright_decays,
 };
-use iva_core::absorber::several::{Several, Starts};
-use iva_core::absorber::{Absorber, ImpactLaw, Point, Start, Wall};
+use iva_core::absorber::{Absorber, ImpactLaw, Wall};
 use iva_core::coupled::Coupled;
-use iva_core::error::Invalid;
-use iva_core::flight::GapPoint;
 use iva_core::force::Acts;
-use iva_core::host::{DrivenHost, Host, UndrivenHost};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::run::side_by_side::{self, Job, Listing, SideBySide};
 use iva_core::simulate::simulate;
-use iva_core::siva::{FreeMass, Siva};
+use iva_core::siva::Siva;
 use iva_tests::dashpot::Dashpot;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
         let Ok(scenes) = scenes(5, narrowest) else { continue };
         compare(criterion, &format!("free masses, {name}"), &scenes);
-        side_by_side(criterion, &format!("free masses, {name}, fast"), &fast(scenes));
     }
     for (name, acts) in [("under force", Acts::Primary), ("on a moving base", Acts::Base)] {
         let Ok(jobs) = driven_jobs(acts) else { continue };
@@ -50,39 +45,6 @@ fn lanes(criterion: &mut Criterion) {
     if let Ok(scenes) = scenes(5, 0.45) {
         compare(criterion, "free masses with a dashpot in the gap", &damped(&scenes));
     }
-    drop(pairs(criterion));
-}
-
-/// These scenes with two masses of half the mass, in gaps that are narrower and wider by a twentieth.
-fn paired<H: Host<Real = f64>, P: Host<Real = f64>>(
-    scenes: &[Job<Siva<H>>],
-    driven: impl Fn(&Siva<H>, Several<UndrivenHost>) -> Several<P>,
-) -> Result<Vec<Job<Several<P>>>, Invalid>
-where
-    Siva<H>: SideBySide<Start = Start>,
-    Several<P>: SideBySide<Start = Starts<f64>>,
-{
-    let paired = |Job { system, start, begin, limits, steady, tier }: &Job<Siva<H>>| {
-        let (mu, e) = (0.5 * system.mass_ratio(), system.law_at(Wall::Plus, 0.0).rebound);
-        let mass = |by: f64| FreeMass::new(mu, e, by * system.clearance());
-        let pair = Several::of(system.damping_ratio(), &[mass(0.95)?, mass(1.05)?])?;
-        let from = Point { x: start.displacement, v: start.velocity };
-        let start = Starts::of(from, &[GapPoint { y: 0.0, w: 0.0 }; 2]);
-        let system = driven(system, pair);
-        Ok(Job { system, start, begin: *begin, limits: *limits, steady: *steady, tier: *tier })
-    };
-    scenes.iter().map(paired).collect()
-}
-
-fn pairs(criterion: &mut Criterion) -> Result<(), Invalid> {
-    let decays = paired(&scenes(5, 0.45)?, |_, pair| pair)?;
-    compare(criterion, "pairs of free masses", &decays);
-    let under = |siva: &Siva<DrivenHost>, pair: Several<UndrivenHost>| {
-        pair.under(siva.force().cloned().unwrap_or_default())
-    };
-    let jobs = paired(&driven_jobs(Acts::Primary)?, under)?;
-    driven(criterion, "pairs of free masses under force", &jobs);
-    Ok(())
 }
 
 /// Decays with a dashpot in the gap.
@@ -135,15 +97,6 @@ fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S
             }
         });
     });
-    beside(&mut group, scenes);
-    group.finish();
-}
-
-/// Runs that go side by side even if they are few.
-fn side_by_side<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S>]) {
-    let mut group = criterion.benchmark_group(name);
-    group.throughput(Throughput::Elements(scenes.len() as u64));
-    group.sample_size(20);
     beside(&mut group, scenes);
     group.finish();
 }

@@ -14,7 +14,7 @@ use iva_core::{
 };
 use iva_tests::{U, rng::Rng};
 
-use crate::fast_tier::{NOTHING, all, decay, driven, harmonic, small, stopped_at};
+use crate::fast_tier::{NOTHING, all, driven, harmonic, small, stopped_at};
 
 /// The error of an impact of a random run in rounding units, relative to the exact tier; `None` if no impact
 /// can be compared: without impacts, after a stick, or where the motion has forgotten its start.
@@ -46,15 +46,10 @@ fn by_the_exact_tier<S: SideBySide + Differentiable + Clone + Debug>(
 #[test]
 fn random_runs_are_those_of_the_exact_tier_to_some_units() {
     let mut rng = Rng::new(20_261_123);
-    for (what, acts) in
-        [("decays", None), ("force", Some(Acts::Primary)), ("base", Some(Acts::Base))]
-    {
+    for (what, acts) in [("force", Acts::Primary), ("base", Acts::Base)] {
         let errors = (0..3000).filter_map(|_| {
             let share = rng.unit();
-            match acts {
-                None => by_the_exact_tier(&decay(&mut rng), share),
-                Some(acts) => by_the_exact_tier(&driven(&mut rng, acts), share),
-            }
+            by_the_exact_tier(&driven(&mut rng, acts), share)
         });
         let errors: Vec<f64> = errors.collect();
         assert!(errors.len() > 500, "{what}: {}", errors.len());
@@ -67,7 +62,7 @@ const BOUND: f64 = 3.0;
 /// Number of impacts up to which one is picked.
 const MOST: u64 = 60;
 
-/// Decays of all kinds: also heavy damping, which forgets the start, light absorbers, narrow gaps, sticks.
+/// Free masses of all kinds: also heavy damping, which forgets the start, light absorbers, narrow gaps, sticks.
 fn any_decay(rng: &mut Rng) -> Job<Siva> {
     let clearance = rng.log_range(1e-3, 3.0);
     let zeta = rng.pick(&[0.0, 0.3, 1.0, 1.7, -1.0, -1.0, -1.0, -1.0]);
@@ -120,16 +115,11 @@ fn by_what_rounding_does<S: SideBySide + Differentiable + Clone + Debug>(
 /// Compares impacts of so many scenes of each kind.
 fn compare(scenes: usize) {
     let mut rng = Rng::new(1);
-    for (what, acts) in
-        [("decays", None), ("force", Some(Acts::Primary)), ("base", Some(Acts::Base))]
-    {
+    for (what, acts) in [("force", Acts::Primary), ("base", Acts::Base)] {
         let mut found = Vec::new();
         for _ in 0..scenes {
             let share = rng.unit();
-            found.extend(match acts {
-                None => by_what_rounding_does(&any_decay(&mut rng), share),
-                Some(acts) => by_what_rounding_does(&any_driven(&mut rng, acts), share),
-            });
+            found.extend(by_what_rounding_does(&any_driven(&mut rng, acts), share));
         }
         for sticks in [false, true] {
             let of_kind = found.iter().filter(|it| it.1 == sticks).map(|it| it.0);
