@@ -11,6 +11,8 @@ CARGO := cargo
 CARGO_FUZZ := 0.13.2
 FUZZ ?= -max_total_time=60
 PYTEST_WORKERS ?= 2
+# cargo-fuzz has flags of its own, which replace those of .cargo/config.toml.
+WITH_AVX2 := $(if $(filter x86_64,$(shell uname -m)),export RUSTFLAGS=-Ctarget-cpu=x86-64-v3;)
 FUZZ_TARGETS ?= study tables record manifest simulate
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
 	-o -name 'py.typed' -o -name Cargo.toml -o -path '*/web/*' \)) Cargo.toml Cargo.lock pyproject.toml README.md \
@@ -20,7 +22,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start weight check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -90,7 +92,7 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 	$(CARGO) clippy --locked --release --manifest-path tests/fuzz/Cargo.toml --target-dir target/fuzz \
 		-- -D warnings
 	rm -rf target/fuzz/kept && mkdir -p target/fuzz/kept && tar -xJf tests/fuzz/corpus.tar.xz -C target/fuzz/kept
-	for target in $(FUZZ_TARGETS); do \
+	$(WITH_AVX2) for target in $(FUZZ_TARGETS); do \
 		mkdir -p target/fuzz/corpus/$$target target/fuzz/kept/$$target; \
 		$(CARGO) fuzz run --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
 			target/fuzz/corpus/$$target target/fuzz/kept/$$target $$(ls -d tests/fuzz/seeds/$$target 2> /dev/null) \
@@ -98,7 +100,7 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 	done
 
 corpus: ## keep what `make fuzz` has found, as few inputs as reach as much
-	for target in $(FUZZ_TARGETS); do \
+	$(WITH_AVX2) for target in $(FUZZ_TARGETS); do \
 		cp -n target/fuzz/kept/$$target/* target/fuzz/corpus/$$target 2> /dev/null; \
 		$(CARGO) fuzz cmin --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
 			target/fuzz/corpus/$$target -- -use_counters=0 || exit 1; \
@@ -134,6 +136,9 @@ bench-start: wheel ## measure how long the command takes to start
 	$(CARGO) build --locked --release -p iva-cli
 	$(BIN)/python benches/start_up.py target/release/iva $(BIN)/iva $(BIN)/python
 
+weight: ## measure what a build takes: WEIGHT="--demo --change --ci", in a fresh clone; without, sizes
+	$(PYTHON) benches/weight.py $(WEIGHT)
+
 docs: wheel ## build the site of documentation into target/docs/html
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --quiet --fresh-env \
 		--doctree-dir target/docs/doctrees docs target/docs/html
@@ -165,6 +170,7 @@ $(VENV)/.tools: pyproject.toml .ci/requirements.py
 	touch $@
 
 $(VENV)/.installed: $(VENV)/.tools $(SOURCES)
+	@echo "compiling the wheel: some 15 CPU minutes from nothing, less after a change"
 	rm -f target/wheels/iva_dynamics-*.whl
 	$(BIN)/maturin build --locked --out target/wheels
 	$(PIP) install --quiet --no-deps --force-reinstall target/wheels/iva_dynamics-*.whl
