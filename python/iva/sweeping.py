@@ -236,14 +236,15 @@ def kept(folder: Path, replaces: bool) -> str:
         It was to replace tables that the folder holds; new ones grow in a hidden folder.
     """
     new = folder / ".iva-new"
+    what = f"; {folder} is as it was" if replaces else ", so nothing was written"
     if replaces and not new.is_dir():
-        return f"nothing was finished; {folder} is as it was"
+        return f"nothing was finished{what}"
     try:
         manifest = manifest_of(new if replaces else folder)
     except _iva.IvaError as error:
         return str(error)
     if manifest is None or not manifest.parts:
-        return "nothing was finished, so nothing was written"
+        return f"nothing was finished{what}"
     how = "overwrite=True, resume=True" if replaces else "resume=True"
     done = f"{manifest.done} of {manifest.points} points are written to {folder}"
     return f"{done}; go on with {how}"

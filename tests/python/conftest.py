@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 import iva
 from axes_seen import DRIVEN, MAST, STRUCTURE, decaying
 
-# How long an example takes says nothing on a busy machine.
-settings.register_profile("iva", deadline=None)
+# How long an example takes says nothing on a busy machine, nor how long drawing it takes.
+settings.register_profile("iva", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("iva")
+
+# What a script of the shell starts in the background is deaf to Ctrl-C, and so are its children:
+# a sweep that is to be interrupted would go on to its end.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

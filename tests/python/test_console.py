@@ -7,9 +7,7 @@ import signal
 import subprocess
 import sys
 import sysconfig
-import time
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -18,6 +16,7 @@ import pytest
 
 import iva
 import iva.__main__ as console
+from patience import PATIENCE, started, until
 
 SCRIPT = Path(sysconfig.get_path("scripts")) / ("iva.exe" if sys.platform == "win32" else "iva")
 COMMANDS = [[str(SCRIPT)], [sys.executable, "-m", "iva"]]
@@ -25,7 +24,11 @@ COMMANDS = [[str(SCRIPT)], [sys.executable, "-m", "iva"]]
 
 def call(command: list[str], *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [*command, *arguments], capture_output=True, text=True, encoding="utf-8", timeout=60
+        [*command, *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=PATIENCE,
     )
 
 
@@ -60,19 +63,17 @@ def test_exit_codes(command: list[str], case: dict[str, Any], tmp_path: Path) ->
     for name, study in TABLE["studies"].items():
         (tmp_path / f"{name}.toml").write_text(study, encoding="utf-8")
     with Path(case.get("stdout", os.devnull)).open("w", encoding="utf-8") as stdout:
-        child = subprocess.Popen(
+        process = started(
             [*command, *case["arguments"].split()],
             cwd=tmp_path,
             stdout=stdout,
             stderr=subprocess.PIPE,
-            text=True,
-            encoding="utf-8",
         )
-    with child:
-        if "interrupt" in case:
-            wait_for(lambda: any((tmp_path / "out").rglob("part-*")), child)
-            child.send_signal(signal.SIGINT)
-        said = child.communicate(timeout=60)[1]
+        with process as child:
+            if "interrupt" in case:
+                until(lambda: any((tmp_path / "out").rglob("part-*")), child)
+                child.send_signal(signal.SIGINT)
+            said = child.communicate()[1]
     assert child.returncode == case["exit_code"], said
     assert case["says"] in said
     for internal in ("Traceback", "panicked", "_iva", str(Path(iva.__file__).parent)):
@@ -106,16 +107,6 @@ print(*(name for name in sys.modules if name.startswith("iva.")))
 """
     said = call([sys.executable, "-c", script]).stdout.splitlines()
     assert said == ["", "iva._iva iva.__main__"] or said == ["", "iva.__main__ iva._iva"]
-
-
-def wait_for(condition: Callable[[], bool], child: subprocess.Popen[str]) -> None:
-    """Wait until something holds; the child ends with the test if it does not within a minute."""
-    for _ in range(6000):
-        if condition():
-            return
-        time.sleep(0.01)
-    child.kill()
-    raise AssertionError("nothing happened for a minute")
 
 
 def test_a_small_study(tmp_path: Path) -> None:

@@ -9,10 +9,10 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,9 @@ import pytest
 from distributed import Client, LocalCluster
 
 import iva
-from iva import distributed, sweeping
+from iva import distributed, remote, sweeping
 from iva.sampling import LatinHypercube, Uniform
+from patience import PATIENCE, started, until
 
 # Ends a process at once; of Windows it is the other.
 HARD = signal.SIGTERM if sys.platform == "win32" else signal.SIGKILL
@@ -35,6 +36,9 @@ SCENE: dict[str, Any] = {
         "restitution": np.linspace(0.7, 0.95, 25),
     },
 }
+# Points of two or three of its parts, of which there are more than four.
+SOME = 300
+RUN_PART = distributed.run_part
 
 
 def sweep(**more: Any) -> iva.Table:
@@ -49,6 +53,34 @@ def contents(folder: Path) -> dict[str, bytes]:
     """Return every file below a folder, hidden ones too."""
     files = (file for file in folder.rglob("*") if file.is_file())
     return {str(file.relative_to(folder)): file.read_bytes() for file in files}
+
+
+def held(gate: Path, *part: Any) -> str:
+    """Run a part on a worker: the first three that come at once, the others once a gate is open."""
+    for number in range(3):
+        try:
+            (gate / f"passes-{number}").touch(exist_ok=False)
+        except FileExistsError:
+            continue
+        return RUN_PART(*part)
+    (gate / f"waits-{os.getpid()}").touch()
+    until((gate / "open").exists)
+    return RUN_PART(*part)
+
+
+def waiting(gate: Path) -> int:
+    """Return a process that waits at a gate, once there is one."""
+    until(lambda: any(gate.glob("waits-*")))
+    return int(next(gate.glob("waits-*")).name.removeprefix("waits-"))
+
+
+@pytest.fixture
+def gate(tmp_path: Path) -> Iterator[Path]:
+    """Return a gate: a sweep that is held at it is under way for as long as a test needs."""
+    folder = tmp_path / "gate"
+    folder.mkdir()
+    yield folder
+    (folder / "open").touch()
 
 
 @pytest.fixture(scope="module")
@@ -91,15 +123,18 @@ def test_a_cluster_gathers_the_same_tables(local: Path, client: Client) -> None:
     assert sweep(client=client) == iva.read(local)
 
 
-def test_a_killed_worker_costs_no_rows(local: Path, tmp_path: Path, client: Client) -> None:
+def test_a_killed_worker_costs_no_rows(
+    local: Path, tmp_path: Path, client: Client, gate: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(distributed, "run_part", partial(held, gate))
     out = tmp_path / "out"
     killed: list[int] = []
 
     def progress(done: int, _total: int) -> None:
-        if done > 300 and not killed:
-            pid = next(iter(client.run(os.getpid).values()))
-            os.kill(pid, HARD)
-            killed.append(pid)
+        if done > SOME and not killed:
+            killed.append(waiting(gate))
+            os.kill(killed[0], HARD)
+            (gate / "open").touch()
 
     sweep(client=client, out=out, progress=progress)
     assert len(killed) == 1
@@ -128,50 +163,39 @@ def test_points_travel_with_the_parts(kind: str, tmp_path: Path) -> None:
 
 
 def test_a_broken_pool_keeps_what_is_done_and_the_sweep_goes_on(
-    local: Path, tmp_path: Path
+    local: Path, tmp_path: Path, gate: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(distributed, "run_part", partial(held, gate))
     out = tmp_path / "out"
     with processes() as executor:
 
         def progress(done: int, _total: int) -> None:
-            if done > 300:
+            if done > SOME:
                 for process in list(executor._processes.values()):
                     process.kill()
 
         with pytest.raises(Exception, match="terminated abruptly") as caught:
             sweep(executor=executor, out=out, progress=progress)
     assert "resume=True" in caught.value.__notes__[0]
-    assert iva.read(out).summary.height >= 300
+    assert iva.read(out).summary.height >= SOME
     sweep(out=out, resume=True)
     assert contents(out) == contents(local)
 
 
 INTERRUPTED = """
-import os, signal, sys, threading
-import numpy as np
-import iva
+import sys
+from functools import partial
+from pathlib import Path
 from distributed import Client
-
-def progress(done, total):
-    if done > 300:
-        os.kill(os.getpid(), signal.SIGINT)
+from iva import distributed
+from test_distributed import held, sweep
 
 if __name__ == "__main__":
-    with Client(sys.argv[1]) as client:
+    address, out, gate = sys.argv[1:]
+    distributed.run_part = partial(held, Path(gate))
+    with Client(address) as client:
         try:
-            iva.sweep(
-                iva.Piva(mass_ratio=0.1, frequency_ratio=0.4, length=10.0),
-                iva.Primary(damping_ratio=0.001),
-                over={
-                    "relative_clearance": np.linspace(0.5, 1.2, 60),
-                    "restitution": np.linspace(0.7, 0.95, 25),
-                },
-                start=iva.Start(displacement=1.0),
-                periods=1500,
-                client=client,
-                out=sys.argv[2],
-                progress=progress,
-            )
+            sweep(client=client, out=out, progress=lambda done, _: print(done, flush=True))
         except KeyboardInterrupt as interrupt:
             print(*interrupt.__notes__)
             sys.exit(130)
@@ -180,25 +204,27 @@ if __name__ == "__main__":
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
 def test_ctrl_c_ends_a_sweep_on_a_cluster_and_leaves_it_to_go_on(
-    local: Path, tmp_path: Path, cluster: LocalCluster, client: Client
+    local: Path, tmp_path: Path, cluster: LocalCluster, client: Client, gate: Path
 ) -> None:
     script = tmp_path / "script.py"
     script.write_text(INTERRUPTED, encoding="utf-8")
     out = tmp_path / "out"
-    job = subprocess.run(
-        [sys.executable, str(script), cluster.scheduler_address, str(out)],
+    with started(
+        [sys.executable, str(script), cluster.scheduler_address, str(out), str(gate)],
         stdout=subprocess.PIPE,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert job.returncode == 130, job.stdout
-    assert "go on with resume=True" in job.stdout
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parent)},
+    ) as job:
+        assert job.stdout is not None
+        while int(job.stdout.readline()) <= SOME:
+            pass
+        waiting(gate)
+        job.send_signal(signal.SIGINT)
+        said = job.stdout.read()
+        assert job.wait() == 130, said
+    assert "go on with resume=True" in said
     # The cluster has nothing left to do for the one that went.
-    deadline = time.monotonic() + 30
-    while any(client.processing().values()) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not any(client.processing().values())
+    (gate / "open").touch()
+    until(lambda: not any(client.processing().values()))
     sweep(client=client, out=out, resume=True)
     assert contents(out) == contents(local)
 
@@ -218,14 +244,25 @@ def test_what_is_no_executor_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_a_url_takes_the_same_bytes_and_goes_on(local: Path, tmp_path: Path) -> None:
+def test_a_url_takes_the_same_bytes_and_goes_on(
+    local: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "out"
     url = f"file://{out}"
+    stopped = threading.Event()
+    run_part = remote.run_part
+
+    def run(study: Any, part: tuple[int, int, int], *where: Any) -> str:
+        # The first parts, whatever the order in which they end, are there when it stops.
+        assert part[1] <= SOME or stopped.wait(PATIENCE)
+        return run_part(study, part, *where)
 
     def stop(done: int, _total: int) -> None:
-        if done > 300:
+        if done > SOME:
+            stopped.set()
             raise RuntimeError("enough")
 
+    monkeypatch.setattr(remote, "run_part", run)
     with ThreadPoolExecutor(2) as executor:
         with pytest.raises(RuntimeError, match="enough") as caught:
             sweep(executor=executor, out=url, progress=stop)
@@ -336,18 +373,20 @@ def test_few_parts_wait_at_a_time_and_none_after_the_end() -> None:
 
     def submit(part: Any) -> Future[bool]:
         # The first ends at once, the others wait for us.
-        futures.append(pool.submit(release.wait, 0.0 if part[0] == 0 else 20.0))
+        futures.append(pool.submit(release.wait, 0.0 if part[0] == 0 else PATIENCE))
         return futures[-1]
 
     with ThreadPoolExecutor(2) as pool:
-        parts = [(number, number, number + 1) for number in range(100)]
-        found = distributed.results(pool, parts, submit)
-        next(found)
-        assert len(futures) == 2 * distributed.AHEAD
-        found.close()  # type: ignore[attr-defined]
-        # One is done, two may be running.
-        assert sum(future.cancelled() for future in futures) >= len(futures) - 3 > 0
-        release.set()
+        try:
+            parts = [(number, number, number + 1) for number in range(100)]
+            found = distributed.results(pool, parts, submit)
+            next(found)
+            assert len(futures) == 2 * distributed.AHEAD
+            found.close()  # type: ignore[attr-defined]
+            # One is done, two may be running.
+            assert sum(future.cancelled() for future in futures) >= len(futures) - 3 > 0
+        finally:
+            release.set()
 
 
 def test_points_that_failed_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:

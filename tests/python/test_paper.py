@@ -12,7 +12,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
@@ -28,6 +27,7 @@ from iva.paper import Assumptions, Finding, Report, Verdict, View, reproduce, sc
 from iva.paper.command import main
 from iva.paper.figures import ITEMS
 from iva.paper.measures import FIRST, THREE, TO_10, decrement
+from patience import PATIENCE, started, until
 
 DOCS = Path(__file__).parents[2] / "docs"
 BASE = Assumptions()
@@ -421,7 +421,7 @@ def test_without_matplotlib(tmp_path: Path) -> None:
         encoding="utf-8",
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(Path(iva.__file__).parents[1])},
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert done.returncode == 1
     expected = "error: iva.paper needs matplotlib: pip install 'iva-dynamics[paper]'\n"
@@ -433,7 +433,7 @@ def command(*arguments: str, **more: Any) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "iva", "reproduce", *arguments],
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
         env=os.environ | paths | more.pop("env", {}),
         **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more),
     )
@@ -485,19 +485,14 @@ def writing(_job: subprocess.Popen[str], out: Path) -> bool:
 def test_ctrl_c(tmp_path: Path, moment: Callable[[subprocess.Popen[str], Path], bool]) -> None:
     paths = {"PYTHONPATH": str(Path(iva.__file__).parents[1])}
     out = tmp_path / "out"
-    with subprocess.Popen(
+    with started(
         [sys.executable, "-m", "iva", "reproduce", "--out", str(out)],
         stderr=subprocess.PIPE,
-        text=True,
         env=os.environ | paths,
     ) as job:
-        begun = time.monotonic()
-        while not moment(job, out):
-            assert job.poll() is None, "it was over too soon"
-            assert time.monotonic() - begun < 60.0, "nothing happened for a minute"
-            time.sleep(0.005)
+        until(lambda: moment(job, out), job)
         job.send_signal(signal.SIGINT)
-        _, text = job.communicate(timeout=60)
+        text = job.communicate()[1]
     assert job.returncode == 130
     assert text.startswith("error: interrupted; ")
     assert "Traceback" not in text

@@ -11,6 +11,7 @@ from functools import partial
 import pytest
 
 import iva
+from patience import PATIENCE
 
 
 def test_process_pool() -> None:
@@ -67,7 +68,7 @@ def test_a_forked_process_starts_its_own_threads() -> None:
         [sys.executable, "-W", "ignore", "-c", FORKED],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
         check=True,
     )
     assert run.stdout.split() == ["3", "3"]

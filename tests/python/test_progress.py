@@ -8,6 +8,7 @@ import sys
 import pytest
 
 import iva
+from iva import progress
 from iva.progress import reporting
 
 
@@ -48,6 +49,8 @@ def test_tqdm_draws_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_tqdm_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
     stderr = on_terminal(monkeypatch)
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)  # as if it were not installed
+    # After a tenth of a second the line would say how fast it is.
+    monkeypatch.setattr(progress, "perf_counter", lambda: 0.0)
     sweep()
     assert stderr.getvalue().endswith("\r4 of 4 points\n")
 

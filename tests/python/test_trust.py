@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-import time
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from polars.testing import assert_frame_equal
 import iva
 from crafted import arrow_claims, equal_rows
 from iva import _iva
+from patience import PATIENCE
 from trust import SCENE, STUDY, command, of_points, said, written
 
 FORMATS = ("parquet", "arrow", "csv")
@@ -201,7 +203,7 @@ def test_a_study_of_more_than_ten_megabytes_is_refused(
         )
 
 
-# what is swept; a check of everything would take minutes or hours
+# what is swept; a check of everything would take for ever, minutes or a moment
 LARGE = [
     "periods = 9e18\ntables = ['summary']\n",
     "periods = 5\n[sampling]\nmethod = 'sobol'\ncount = 4294967296\n"
@@ -211,12 +213,15 @@ LARGE = [
 
 
 @pytest.mark.parametrize("run", LARGE)
-def test_a_check_of_much_takes_a_moment(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], run: str
-) -> None:
-    start = time.monotonic()
-    assert command("check", written(tmp_path, SCENE + "[run]\n" + run)) == 0
-    # It takes less than a second by itself; a busy machine has some more.
-    assert time.monotonic() - start < 10.0
-    out = capfd.readouterr().out
-    assert ("more than" if "9e18" in run else "at some points") in out
+def test_a_check_of_much_looks_at_some_of_it(tmp_path: Path, run: str) -> None:
+    study = written(tmp_path, SCENE + "[run]\n" + run)
+    # A process of its own can be ended if it hangs.
+    done = subprocess.run(
+        [sys.executable, "-m", "iva", "check", str(study)],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=PATIENCE,
+        check=True,
+    )
+    assert ("more than" if "9e18" in run else "at some points") in done.stdout
