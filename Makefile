@@ -142,7 +142,7 @@ weight: ## measure what a build takes: WEIGHT="--demo --change --ci", in a fresh
 docs: wheel ## build the site of documentation into target/docs/html
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --quiet --fresh-env \
 		--doctree-dir target/docs/doctrees docs target/docs/html
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --no-deps --package iva-core --package iva-sweep
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --no-deps --package iva-core --package iva-sweep --package iva-verify
 	rm -rf target/docs/html/rust
 	cp -r target/doc target/docs/html/rust
 	@echo "open file://$(CURDIR)/target/docs/html/index.html"

@@ -1,7 +1,7 @@
 """Check that imports run one way.
 
-python/iva → iva-py → iva-study → iva-store → iva-sweep → iva-core, and iva-cli beside iva-py on
-iva-study; of iva-cli iva-py has nothing but the command. Within iva-core the rooms stand in one
+python/iva → iva-py → iva-study → iva-store → iva-sweep → iva-core, iva-verify beside iva-store on
+iva-sweep, and iva-cli beside iva-py on iva-study; of iva-cli iva-py has nothing but the command. Within iva-core the rooms stand in one
 order.
 """
 
@@ -14,8 +14,9 @@ from pathlib import Path
 FORBIDDEN_CRATES = {
     "iva-core": "iva-sweep iva-store iva-study iva-cli iva-py rayon arrow-array arrow-schema "
     "parquet pyo3 clap toml",
-    "iva-sweep": "iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
-    "iva-store": "iva-study iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets "
+    "iva-sweep": "iva-verify iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
+    "iva-verify": "iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
+    "iva-store": "iva-verify iva-study iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets "
     "toml tempfile",
     "iva-study": "iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets tempfile",
     "iva-cli": "iva-py pyo3",
@@ -38,6 +39,9 @@ FORBIDDEN_WORDS = [
     ("crates/iva-sweep/src", r"\bstd::(fs|io|env|net)\b|\bprocess::(?!id\b)|\bprintln!"),
     ("crates/iva-core/src", r"\bpyo3\b"),
     ("crates/iva-sweep/src", r"\bpyo3\b"),
+    ("crates/iva-verify/src", r"\bpyo3\b|\bstd::(fs|io|env|net)\b|\bprintln!"),
+    # What is compiled to twice the precision is compiled in one crate.
+    ("crates/iva-sweep/src", r"::<Twofold>"),
     ("crates/iva-store/src", FRONT),
     ("crates/iva-study/src", FRONT),
     ("crates/iva-cli/src", r"\bpyo3\b"),

@@ -26,14 +26,14 @@
 //!
 //! | room | what is in it |
 //! |---|---|
-//! | [`number`] | doubles, double-doubles, numbers with derivatives ([`real`]), arrays over lanes and the vectors of the machine |
+//! | [`number`] | doubles, double-doubles, numbers of twice the precision ([`real`]), arrays over lanes and the vectors of the machine |
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
 //! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`], [`segment::slide`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
 //! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]), or with friction in it ([`sliding`]); several free masses on one structure ([`absorber::several`]), free masses and pendulums ([`absorber::mixed`]), or free masses at points of one with several modes ([`absorber::modal`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), the laws of its restitution ([`absorber::restitution`]), and the formulas of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
-//! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
+//! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]), or with all that a study can ask for ([`run::observed`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
 //! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives ([`orbit::map`], [`orbit::iterate`]); periodic orbits ([`orbit::periodic`]) and their [`orbit::multipliers`]; how they change with a number of the scene ([`orbit::branch`], on the equations of [`orbit::chain`]), and curves of their special points over two numbers ([`orbit::curve`]); Lyapunov exponents ([`orbit::lyapunov`]), bifurcation diagrams ([`orbit::diagram`]), attractors ([`orbit::attractors`]) and their [`orbit::basins`] |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!

@@ -3,8 +3,7 @@
 //!
 //! [`given`] (fields as numbers) → [`design`] (alternatives resolved, natural units; the system to run is a
 //! [`scene`]) → `point` (the run; `ended` is its result) → `rows` (its rows, in the user's units by [`scale`]). Results are computed
-//! in doubles, by [`crate::verify`] in numbers of twice the precision, and by [`crate::gradients`] in numbers
-//! with derivatives.
+//! in doubles; the crate `iva-verify` computes them in numbers of twice the precision.
 
 pub(crate) mod dashpot;
 pub mod design;
