@@ -51,7 +51,7 @@ def test_the_package_loads_nothing_before_it_is_used() -> None:
 def test_the_command_loads_what_it_needs() -> None:
     program = "import iva.__main__, sys; sys.argv = ['iva', '--version']; iva.__main__.main()"
     ours = {name for name in loaded(program) if name.partition(".")[0] == "iva"}
-    assert ours == {"iva", "iva.__main__", "iva._iva"}
+    assert ours == {"iva", "iva.__main__", "iva._iva", "iva.processor"}
     assert not {"typing", "dataclasses", "inspect", "pathlib"} & loaded(program)
 
 
