@@ -36,6 +36,12 @@ impl<R: Real> DoubleDouble<R> {
     /// The sum with a number given by its high and low part.
     #[inline(always)]
     pub fn plus_parts(self, increment: R, rest: R) -> Self {
+        R::sum_with_parts(self, increment, rest)
+    }
+
+    /// [`Self::plus_parts`] here, not in a call.
+    #[inline(always)]
+    pub(crate) fn plus_parts_inline(self, increment: R, rest: R) -> Self {
         let (sum, lost) = two_sum(self.value, increment);
         let rest = lost + (self.rest + rest);
         // `rest` is small against `sum`, so this renormalisation is exact.
@@ -61,6 +67,12 @@ impl<R: Real> DoubleDouble<R> {
     /// some units in the last place of the high part.
     #[inline(always)]
     pub(crate) fn product(self, factor: DoubleDouble<R>) -> Self {
+        R::product_of_parts(self, factor)
+    }
+
+    /// [`Self::product`] here, not in a call.
+    #[inline(always)]
+    pub(crate) fn product_inline(self, factor: DoubleDouble<R>) -> Self {
         let (value, lost) = two_product(self.value, factor.value);
         Self { value, rest: lost + (self.value * factor.rest + self.rest * factor.value) }
     }

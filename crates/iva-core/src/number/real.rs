@@ -199,6 +199,18 @@ pub trait Real:
         f64::from_bits(self.double().to_bits() & EXPONENT).into()
     }
 
+    /// [`DoubleDouble::plus_parts`].
+    #[inline(always)]
+    fn sum_with_parts(sum: DoubleDouble<Self>, increment: Self, rest: Self) -> DoubleDouble<Self> {
+        sum.plus_parts_inline(increment, rest)
+    }
+
+    /// [`DoubleDouble::product`].
+    #[inline(always)]
+    fn product_of_parts(a: DoubleDouble<Self>, b: DoubleDouble<Self>) -> DoubleDouble<Self> {
+        a.product_inline(b)
+    }
+
     /// An upper bound of log₂ of a number > 0, at most 0.09 too large.
     #[inline(always)]
     fn log2_above(self) -> f64 {

@@ -40,8 +40,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
         self.at_hand().is_some_and(|mass| mass.stuck)
     }
 
-    /// The state after a motion of length h.
-    #[inline(always)]
+    /// The state after a motion of length h. A call, for six functions need it.
+    #[inline(never)]
     fn moved(&self, h: R) -> SeveralState<H, N> {
         let Flown { to, gained } = self.structure.flown(&self.from.host, &self.course, h);
         let mut masses = self.from.masses;

@@ -92,6 +92,8 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         self.structure().reach(&self.from.host)
     }
 
+    // A call, for six functions need it.
+    #[inline(never)]
     fn state(&self, h: R) -> Self::State {
         arrived(self.structure(), &self.course, &self.from, h)
     }
