@@ -17,7 +17,7 @@ use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
 use iva_sweep::choices::Kind;
 use iva_sweep::columns::columns;
-use iva_sweep::design::{Design, Spec};
+use iva_sweep::design::Spec;
 use iva_sweep::engine::given::Given;
 use iva_sweep::fields::{Allowed, FieldId, Part, Quantity};
 use iva_sweep::listed::{Beside, Cell, Closeness, Content, Rows, rows, table};
@@ -31,7 +31,8 @@ use crate::verify::{alike, rows_of};
 const STEP: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// Steps and weights of a difference quotient of second order: between both sides of the parameter or, where it lies at
-/// an end of its range, from one side.
+/// an end of its range, or where other events begin (a structure let go at rest: with a velocity it has one more peak, or
+/// none), from one side.
 const QUOTIENTS: [&[(f64, f64)]; 3] = [
     &[(-1.0, -0.5), (1.0, 0.5)],
     &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
@@ -127,18 +128,9 @@ impl Differentiated {
         let mut closeness = Closeness::default();
         let watched: Beside<'_> = (None, (None, Some(&mut closeness)));
         let found = rows(study, &plain, cancel, watched)?;
-        let mut beside = Vec::new();
-        for (weight, design) in quotient(spec, slot, size)? {
-            let rows = rows(study, &design, cancel, ())?;
-            beside.push(Weighted {
-                weight,
-                natural_frequency: design.scale.natural_frequency,
-                rows,
-            });
-        }
         let sensitive = sensitive_from(&closeness).map(|time| plain.scale.time(time));
-        let parted = beside.iter().filter_map(|it| parted(&found, &it.rows));
-        let until = parted.chain(sensitive).reduce(f64::min);
+        let (beside, parted) = quotient(study, spec, (slot, size), (&found, sensitive), cancel)?;
+        let until = parted.into_iter().chain(sensitive).reduce(f64::min);
         let period = plain.scale.time(std::f64::consts::TAU);
         Ok(Self { rows: found, closeness, beside, size, until, period })
     }
@@ -159,7 +151,7 @@ impl Differentiated {
                 let others = others.as_ref().filter(|_| self.is_known(table, row, place))?;
                 self.slope(others.iter().map(|other| &other[place]), |_| Twofold::ONE)
             };
-            let mut cells: Vec<Cell> = row.iter().cloned().collect();
+            let mut cells = row.to_vec();
             for (place, cell) in cells.iter_mut().enumerate() {
                 if let Cell::Number(_) = cell {
                     *cell = derivative(place).map_or(Cell::Null, Cell::Number);
@@ -229,21 +221,49 @@ impl Differentiated {
     }
 }
 
-/// The designs of the first difference quotient whose runs there are, each with its weight.
-fn quotient(spec: &Spec, slot: Slot, size: f64) -> Result<Vec<(f64, Design<Twofold>)>, Invalid> {
+/// The runs of a difference quotient, and the instant from which on they do not have the events of the run in doubles: of
+/// the first that always has, else of the one that has them longest.
+fn quotient(
+    study: &Study,
+    spec: &Spec,
+    (slot, size): (Slot, f64),
+    (found, sensitive): (&Rows<f64>, Option<f64>),
+    cancel: &AtomicBool,
+) -> Result<(Vec<Weighted>, Option<f64>), Invalid> {
     let mut spec = spec.clone();
     if spec.get(FieldId::Tolerance).is_some() {
         spec.set(FieldId::Tolerance, 0.0)?;
     }
-    let designs = |steps: &[(f64, f64)]| {
-        let design = |&(step, weight): &(f64, f64)| {
-            let step = Twofold::from(step * STEP * size);
-            Given::shifted(&spec, slot, step).design().map(|design| (weight, design))
-        };
-        steps.iter().map(design).collect::<Result<Vec<_>, _>>()
+    let run = |&(step, weight): &(f64, f64)| {
+        let step = Twofold::from(step * STEP * size);
+        let design = Given::shifted(&spec, slot, step).design()?;
+        let natural_frequency = design.scale.natural_frequency;
+        Ok(Weighted { weight, natural_frequency, rows: rows(study, &design, cancel, ())? })
     };
-    let [central, forward, backward] = QUOTIENTS;
-    designs(central).or_else(|_| designs(forward)).or_else(|_| designs(backward))
+    let mut best: Result<(Vec<Weighted>, Option<f64>), Invalid> =
+        Err(Invalid::new("gradients", format!("`{}`", slot.path()), "it can be no other number"));
+    for quotient in QUOTIENTS {
+        let runs = match quotient.iter().map(run).collect::<Result<Vec<_>, Invalid>>() {
+            Ok(runs) => runs,
+            Err(refused) => {
+                best = best.map_err(|_| refused);
+                continue;
+            }
+        };
+        let parted = runs.iter().filter_map(|it| parted(found, &it.rows)).reduce(f64::min);
+        let longer = match &best {
+            Ok((_, until)) => parted.is_none_or(|at| until.is_some_and(|until| at > until)),
+            Err(_) => true,
+        };
+        if longer {
+            best = Ok((runs, parted));
+        }
+        // What happens after it has become too sensitive does not matter.
+        if parted.is_none_or(|at| sensitive.is_some_and(|from| at >= from)) {
+            break;
+        }
+    }
+    best
 }
 
 /// The instant of the first impact that is too sensitive, in 1/ωn; `None` if there is none.
