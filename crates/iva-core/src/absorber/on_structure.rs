@@ -45,6 +45,8 @@ pub trait OnStructure {
     ) -> Self::State {
         *state
     }
+    /// False if [`OnStructure::sinusoidal`] is never there, so that nothing for it is compiled.
+    const SINUSOIDAL: bool = false;
     /// The structure of a free mass in doubles, if its motion between events is a damped sinusoid in closed form
     /// (`host/sinusoid.rs`). The measures of its decays are computed from a log.
     fn sinusoidal(&self) -> Option<Sinusoidal> {

@@ -49,6 +49,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Several<H, N> {
         })
     }
 
+    const SINUSOIDAL: bool = N > 0 && R::FAST_PATHS;
+
     /// A structure alone is measured as it moves.
     fn sinusoidal(&self) -> Option<Sinusoidal> {
         self.host.sinusoidal().filter(|_| N > 0)

@@ -34,6 +34,8 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
         Point { x: x.value, v: v.value }
     }
 
+    const SINUSOIDAL: bool = R::FAST_PATHS;
+
     fn sinusoidal(&self) -> Option<Sinusoidal> {
         self.host.sinusoidal()
     }

@@ -58,6 +58,9 @@ impl<S: Absorber> Measures<S> {
         spare: Option<Box<Sinusoids>>,
         [x, v]: [f64; 2],
     ) {
+        if !S::SINUSOIDAL {
+            return;
+        }
         let needs = keeps(self.wanted, 0.0);
         let near = |of: &Sinusoidal| of.middle(false).abs() <= FARTHEST * (x.abs() + v.abs());
         self.decay = system.sinusoidal().filter(near).filter(|_| needs).map(|of| {
@@ -139,12 +142,12 @@ impl<S: Absorber> Measures<S> {
 
     /// Computes the measures of the motions in the log.
     fn take_log(&mut self) {
+        if !S::SINUSOIDAL {
+            return;
+        }
         if let Some(mut decay) = self.decay.take() {
             let log = std::mem::take(&mut decay.log);
-            in_vectors(
-                #[inline(always)]
-                || decay.measure(self, log.entries()),
-            );
+            decay.measure(self, log.entries());
             decay.log = log;
             self.decay = Some(decay);
         }
@@ -175,15 +178,20 @@ impl Sinusoids {
 
     /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
     /// taken yet.
-    #[inline(always)]
     fn measure<S: Absorber>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         measures.moving |= log.len() > 1;
         if measures.wanted.decay() {
-            self.turn(log);
+            in_vectors(
+                #[inline(always)]
+                || self.turn(log),
+            );
         }
         measures.take_course(&Logged { sinusoids: self, log });
         if measures.wanted.ledger {
-            self.lose(&mut measures.ledger.viscous, log);
+            in_vectors(
+                #[inline(always)]
+                || self.lose(&mut measures.ledger.viscous, log),
+            );
         }
     }
 
