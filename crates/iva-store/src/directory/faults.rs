@@ -1,9 +1,14 @@
 //! Injected faults for tests: the n-th system call in a folder fails, or all from the n-th on, as after a kill
-//! of the process.
+//! of the process. A process can also be ended for real at its n-th call.
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+
+/// Environment variable with the number, from 1, of the system call in any folder before which the process is
+/// aborted. Nothing is cleaned up then, as after a kill.
+pub const ABORT_AT: &str = "IVA_ABORT_AT";
 
 /// The faults to inject in a folder and below it.
 struct Plan {
@@ -35,8 +40,19 @@ pub fn with<T>(below: &Path, at: u64, for_good: bool, act: impl FnOnce() -> T) -
     (result, place.map_or(0, |place| plans.swap_remove(place).calls))
 }
 
+/// Counts a system call of the process, and ends it if its environment says so.
+fn abort_if_asked() {
+    static AT: LazyLock<Option<u64>> =
+        LazyLock::new(|| std::env::var(ABORT_AT).ok().and_then(|at| at.parse().ok()));
+    static CALLS: AtomicU64 = AtomicU64::new(0);
+    if AT.is_some_and(|at| CALLS.fetch_add(1, Ordering::Relaxed) + 1 == at) {
+        std::process::abort();
+    }
+}
+
 /// Counts a system call in a folder; an error if it is to fail.
 pub(crate) fn next(folder: &Path) -> io::Result<()> {
+    abort_if_asked();
     let mut plans = plans();
     let Some(plan) = plans.iter_mut().find(|plan| folder.starts_with(&plan.below)) else {
         return Ok(());
