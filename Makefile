@@ -81,8 +81,9 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 truth: wheel ## print all that iva.dynamics computes beside references; TRUTH="--only basins"
 	$(BIN)/python tests/truth $(TRUTH)
 
-stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
+stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts, kills at random
 	$(CARGO) test --locked --release --test all stress -- --ignored --nocapture
+	EVERY_FAULT=1 $(CARGO) test --locked --release --test all aborted_at_any_step -- --nocapture
 	$(MAKE) count
 	$(MAKE) fuzz
 

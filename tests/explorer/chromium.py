@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 PROGRAM = next(filter(None, map(shutil.which, ("chromium", "google-chrome", "chrome"))), None)
+# Seconds after which a browser hangs, on the slowest machine.
+PATIENCE = 300.0
 
 
 class Chromium:
@@ -109,7 +111,7 @@ class Chromium:
         self.send("Page.navigate", url=address)
         self.wait("document.querySelector('.iva-explorer .foot')?.textContent")
 
-    def wait(self, expression: str, seconds: float = 20.0) -> Any:
+    def wait(self, expression: str, seconds: float = PATIENCE) -> Any:
         """Wait until an expression is true, and return it."""
         until = time.monotonic() + seconds
         while not (value := self.value(expression)):
@@ -172,7 +174,7 @@ class Chromium:
         """Type a text where the caret is."""
         self.send("Input.insertText", text=text)
 
-    def saved(self, name: str, seconds: float = 10.0) -> bytes:
+    def saved(self, name: str, seconds: float = PATIENCE) -> bytes:
         """Wait for a file that the page saves, and return it. Call :meth:`keep_files` before."""
         until = time.monotonic() + seconds
         file = self._folder / name
@@ -200,7 +202,7 @@ class Chromium:
     def close(self) -> None:
         """End the browser."""
         self._process.terminate()
-        self._process.wait(timeout=20)
+        self._process.wait(timeout=PATIENCE)
         os.close(self._write)
         os.close(self._read)
         self._profile.cleanup()

@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 PROGRAM = next(filter(None, map(shutil.which, ("firefox", "firefox-esr"))), None)
+# Seconds after which a browser hangs, on the slowest machine.
+PATIENCE = 300.0
 
 
 class Firefox:
@@ -36,10 +38,10 @@ class Firefox:
         self.send("WebDriver:NewSession")
 
     def _connected(self, port: int) -> socket.socket:
-        until = time.monotonic() + 60
+        until = time.monotonic() + PATIENCE
         while True:
             try:
-                return socket.create_connection(("127.0.0.1", port), timeout=60)
+                return socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
             except OSError:
                 if time.monotonic() > until:
                     raise
@@ -74,7 +76,7 @@ class Firefox:
         """Return the value of an expression."""
         return self.send("WebDriver:ExecuteScript", script=f"return {expression}", args=[])["value"]
 
-    def wait(self, expression: str, seconds: float = 30.0) -> Any:
+    def wait(self, expression: str, seconds: float = PATIENCE) -> Any:
         """Wait until an expression is true, and return it."""
         until = time.monotonic() + seconds
         while not (value := self.value(expression)):
@@ -87,5 +89,5 @@ class Firefox:
         """End the browser."""
         self._socket.close()
         self._process.terminate()
-        self._process.wait(timeout=30)
+        self._process.wait(timeout=PATIENCE)
         self._profile.cleanup()

@@ -37,7 +37,7 @@ def test_it_runs_from_a_disk_with_the_numbers_of_the_wheel(browser: Firefox) -> 
 
 
 def test_its_map_fills_in_a_worker(browser: Firefox) -> None:
-    browser.wait("window.now.map.known.every(Boolean)", 90)
+    browser.wait("window.now.map.known.every(Boolean)")
     assert browser.value("window.now.map.worker.workers.length > 0")
 
 

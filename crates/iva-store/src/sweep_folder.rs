@@ -59,7 +59,8 @@ impl SweepFolder {
         Self { root, manifest, claim, written }
     }
 
-    /// Begins a sweep in a folder without tables.
+    /// Begins a sweep in a folder without tables, or with none but parts that a process put in place before it was
+    /// killed and did not enter; these are removed.
     ///
     /// # Errors
     /// [`Error::Folder`] if a file that `iva` did not write has the name of an input; [`Error::Io`] if something
@@ -79,7 +80,10 @@ impl SweepFolder {
         }
         manifest.inputs = inputs.iter().map(|input| input.name().to_owned()).collect();
         let mut folder = Self::new(root, manifest, claim);
-        let ready = folder.write_manifest().and_then(|()| folder.write_study(study, inputs));
+        let ready = folder
+            .write_manifest()
+            .and_then(|()| folder.write_study(study, inputs))
+            .and_then(|()| folder.remove_unlisted());
         match ready {
             Ok(()) => Ok(folder),
             Err(reason) => {

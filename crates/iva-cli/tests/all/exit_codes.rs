@@ -5,10 +5,10 @@
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use toml::Table;
+
+use crate::process::Job;
 
 #[test]
 fn exit_codes_are_those_of_the_table() {
@@ -38,23 +38,17 @@ fn run(case: &Table, studies: &Table) {
     for (study, text) in studies {
         fs::write(dir.path().join(study).with_extension("toml"), text.as_str().unwrap()).unwrap();
     }
-    let child = Command::new(env!("CARGO_BIN_EXE_iva"))
-        .current_dir(dir.path())
-        .args(case["arguments"].as_str().unwrap().split_whitespace())
-        .stdout(stdout)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    if case.contains_key("interrupt") {
-        let start = Instant::now();
-        while !has_part(&dir.path().join("out")) {
-            assert!(start.elapsed() < Duration::from_secs(60), "{name}: nothing for a minute");
-            sleep(Duration::from_millis(10));
-        }
-        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-        assert!(kill.success());
-    }
-    let output = child.wait_with_output().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_iva"));
+    command.current_dir(dir.path());
+    command.args(case["arguments"].as_str().unwrap().split_whitespace());
+    let output = if case.contains_key("interrupt") {
+        let mut job = Job::start(&mut command);
+        job.until(|| has_part(&dir.path().join("out")));
+        job.send("-INT");
+        job.end()
+    } else {
+        command.stdout(stdout).stderr(Stdio::piped()).spawn().unwrap().wait_with_output().unwrap()
+    };
     let said = String::from_utf8(output.stderr).unwrap();
     let code = output.status.code().map(i64::from);
     assert_eq!(code, case["exit_code"].as_integer(), "{name}: {said}");

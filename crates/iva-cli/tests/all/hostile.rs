@@ -97,7 +97,7 @@ fn outside(home: &Home) -> BTreeMap<PathBuf, String> {
 }
 
 /// The text of a manifest as the program writes it.
-fn text(manifest: &Value) -> String {
+pub fn text(manifest: &Value) -> String {
     // The first key marks the file as a manifest.
     let mut rest = manifest.as_object().unwrap().clone();
     let version = rest.remove("manifest").unwrap();

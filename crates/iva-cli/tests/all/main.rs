@@ -5,4 +5,5 @@ mod full_disk;
 mod hostile;
 mod interrupt;
 mod output_folder;
+mod process;
 mod resume;
