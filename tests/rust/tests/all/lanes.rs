@@ -220,8 +220,8 @@ fn cancelled_runs_come_back_as_they_are() {
     // Elastic and undamped runs, which end by the cancellation only: that of the first, when the others beside it have
     // come as far.
     let limits = |periods: f64, clearance| Limits {
-        max_impacts: u64::MAX,
-        max_work: u64::MAX,
+        max_impacts: 1 << 53,
+        max_work: 1 << 53,
         ..Limits::new(periods * TAU, clearance)
     };
     let runs: Vec<Job<Siva>> = (0..40)
