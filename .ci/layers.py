@@ -1,8 +1,8 @@
 """Check that imports run one way.
 
 python/iva → iva-py → iva-study → iva-store → iva-sweep → iva-core, iva-verify beside iva-store on
-iva-sweep, and iva-cli beside iva-py on iva-study; of iva-cli iva-py has nothing but the command. Within iva-core the rooms stand in one
-order.
+iva-sweep, and iva-cli beside iva-py on iva-study; of iva-cli iva-py has nothing but the command.
+Within iva-core the rooms stand in one order.
 """
 
 import re
@@ -16,8 +16,8 @@ FORBIDDEN_CRATES = {
     "parquet pyo3 clap toml",
     "iva-sweep": "iva-verify iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
     "iva-verify": "iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
-    "iva-store": "iva-verify iva-study iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets "
-    "toml tempfile",
+    "iva-store": "iva-verify iva-study iva-cli iva-py pyo3 clap indicatif ctrlc anstream "
+    "annotate-snippets toml tempfile",
     "iva-study": "iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets tempfile",
     "iva-cli": "iva-py pyo3",
 }

@@ -19,7 +19,16 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "target" / "sdist"
 # Kept files and folders that must be in it whole, besides what `license-files` names. Of the crates
 # the build shows that all is there.
-WHOLE = (".cargo/config.toml", "CHANGELOG.md", "Cargo.lock", "README.md", "docs", "pyproject.toml", "python", "studies")
+WHOLE = (
+    ".cargo/config.toml",
+    "CHANGELOG.md",
+    "Cargo.lock",
+    "README.md",
+    "docs",
+    "pyproject.toml",
+    "python",
+    "studies",
+)
 SMOKE = """
 import iva
 from pathlib import Path

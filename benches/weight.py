@@ -4,8 +4,8 @@ Usage: weight.py [--demo] [--change] [--ci]
 
 Without options: the sizes of library and wheel that were built last. --demo: `make demo` in a fresh
 clone of what is committed. --change: a line changed in `segment/roots.rs` of that clone, then
-`make wheel`. --ci: `.ci/run` in it, or in a fresh one. Times are wall and CPU seconds; only those of
-one machine, measured with nothing beside them, can be compared.
+`make wheel`. --ci: `.ci/run` in a fresh clone. Times are wall and CPU seconds; only those of one
+machine, measured with nothing beside them, can be compared.
 """
 
 import argparse
@@ -43,9 +43,8 @@ def change_a_line() -> None:
     """Change a line that all flights are compiled with."""
     path = CLONE / CHANGED
     text = path.read_text(encoding="utf-8")
-    marked = text.replace("let guess = guess.unwrap_or_else", "let guess = (guess).unwrap_or_else", 1)
-    if marked == text:
-        marked = text.replace("let guess = (guess).unwrap_or_else", "let guess = guess.unwrap_or_else", 1)
+    marked = text.replace("guess.unwrap_or_else", "(guess).unwrap_or_else", 1)
+    assert marked != text, f"{CHANGED} has no such line any more"
     path.write_text(marked, encoding="utf-8")
 
 

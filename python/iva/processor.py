@@ -26,7 +26,7 @@ def found_lacking() -> list[str]:
         if os.uname().machine != "x86_64":
             return []
         try:
-            with open("/proc/cpuinfo", encoding="utf-8") as file:
+            with open("/proc/cpuinfo", encoding="utf-8") as file:  # noqa: PTH123 - pathlib is slow
                 return lacking(file.read(8192))  # of a list that may be long
         except OSError:
             return []

@@ -83,8 +83,9 @@ def sweep(
     periods, duration, cycles, discard, measures, max_impacts, max_work, chatter_floor
         As in :func:`iva.simulate`.
     tolerance : float, default 0
-        As in :func:`iva.simulate`. Above 0, sweeps of free masses under a harmonic force that ask for the
-        summary alone are 1.4 to 1.7 times as fast; impact times are off by some rounding units more.
+        As in :func:`iva.simulate`. Above 0, sweeps of free masses under a harmonic force that ask
+        for the summary alone are 1.4 to 1.7 times as fast; impact times are off by some rounding
+        units more.
     errors : bool, default False
         Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
         the impacts, ``condition`` and ``digits`` of the summary. Sweeps of free masses take twice
