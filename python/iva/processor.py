@@ -11,7 +11,13 @@ FLAGS = frozenset({"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"})  # as
 
 
 def lacking(cpuinfo: str) -> list[str]:
-    """Return the flags that the first processor of Linux' list does not have, in order."""
+    """Return the flags that the first processor of Linux' list does not have, in order.
+
+    Examples
+    --------
+    >>> lacking("flags : avx avx2 fma")
+    ['abm', 'bmi1', 'bmi2', 'f16c', 'movbe']
+    """
     for line in cpuinfo.splitlines():
         if line.startswith("flags"):
             return sorted(FLAGS.difference(line.split()))
