@@ -1,8 +1,8 @@
 //! The number types in which a motion is computed.
 //!
-//! The core is generic over [`Real`]: a double, or a number of [twice the precision](twofold) to verify and to
-//! differentiate a run with. The series of a pendulum's flight are also computed in numbers [with
-//! derivatives](dual), for its tangent. Thresholds that depend on the precision are constants of the type. Types are doubles by default: `DoubleDouble` is `DoubleDouble<f64>`.
+//! The core is generic over [`Real`]: a double, or a number of [twice the precision](twofold) to verify and differentiate
+//! a run with. A pendulum's series are also computed in numbers with derivatives, for its tangent. Thresholds that depend
+//! on the precision are constants of the type. Types are doubles by default: `DoubleDouble` is `DoubleDouble<f64>`.
 //!
 //! In a formula a double stands to the right of a number, as in `x * 0.5`, and [`Real::ONE`] to the left.
 
@@ -205,7 +205,7 @@ pub trait Real:
         sum.plus_parts_inline(increment, rest)
     }
 
-    /// [`DoubleDouble::product`].
+    /// The product of two double-doubles, not renormalised.
     #[inline(always)]
     fn product_of_parts(a: DoubleDouble<Self>, b: DoubleDouble<Self>) -> DoubleDouble<Self> {
         a.product_inline(b)
