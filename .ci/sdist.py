@@ -9,6 +9,7 @@ it was. All of it is built from nothing by the workflow in .github/workflows/whe
 """
 
 import os
+import platform
 import subprocess
 import sys
 import tarfile
@@ -113,6 +114,10 @@ def main() -> None:
     plain = " ".join(f"--config profile.release.package.{name}.opt-level=0" for name in own)
     # The library of the wheel has the same name: without this Cargo could take one for the other.
     target = {"CARGO_TARGET_DIR": str(ROOT / "target")}
+    # Its own file of flags lies below that of the project: from both, Cargo would have other flags.
+    config = tomllib.loads(files[".cargo/config.toml"].decode())["target"]
+    if platform.machine() in ("x86_64", "AMD64"):
+        target["RUSTFLAGS"] = " ".join(config['cfg(target_arch = "x86_64")']["rustflags"])
     run("cargo", "clean", "--quiet", "--release", "--package", "iva-py", **target)
     wheels = set((ROOT / "target" / "wheels").glob("*.whl"))
     run(
