@@ -147,7 +147,10 @@ impl<S: Absorber> Measures<S> {
         }
         if let Some(mut decay) = self.decay.take() {
             let log = std::mem::take(&mut decay.log);
-            decay.measure(self, log.entries());
+            in_vectors(
+                #[inline(always)]
+                || decay.measure(self, log.entries()),
+            );
             decay.log = log;
             self.decay = Some(decay);
         }
@@ -178,20 +181,15 @@ impl Sinusoids {
 
     /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
     /// taken yet.
+    #[inline(always)]
     fn measure<S: Absorber>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         measures.moving |= log.len() > 1;
         if measures.wanted.decay() {
-            in_vectors(
-                #[inline(always)]
-                || self.turn(log),
-            );
+            self.turn(log);
         }
         measures.take_course(&Logged { sinusoids: self, log });
         if measures.wanted.ledger {
-            in_vectors(
-                #[inline(always)]
-                || self.lose(&mut measures.ledger.viscous, log),
-            );
+            self.lose(&mut measures.ledger.viscous, log);
         }
     }
 
