@@ -383,7 +383,7 @@ def simulate(
     gradients : iterable of str, optional
         Parameters to differentiate by, by their names in a sweep (``relative_clearance``,
         ``restitution``, ``force.frequency``): `gradients` of the run holds for each the derivative
-        of every number. Each takes two runs to twice the precision, some 10 ms.
+        of every number. Each takes three runs to twice the precision, some 10 ms.
     max_impacts : int, optional
         Stop after so many impacts, 10 million by default; the outcome says so.
     max_work : int, optional

@@ -247,6 +247,43 @@ def test_what_is_0_is_differentiated_too(
         assert gradient.impacts["time"][k] == pytest.approx(slope(time), rel=1e-4, abs=1e-7)
 
 
+def test_where_a_number_jumps_at_the_value_there_is_no_derivative() -> None:
+    """Without damping x = x₀ cos t + v₀ sin t, at x₀ = 0: peaks of √(x₀² + v₀²) at π/2 − x₀/v₀ + kπ.
+
+    What refers to the amplitude at the start has another reference as soon as x₀ is not 0.
+    """
+    run = iva.simulate(
+        None,
+        iva.Primary(),
+        start=iva.Start(displacement=0.0, velocity=2.0),
+        periods=4.2,
+        tables=("summary", "envelope"),
+        gradients=("start.displacement",),
+    )
+    assert run.summary["residual_amplitude"][0] == pytest.approx(1.0, rel=1e-12)
+    slopes = run.gradients["start.displacement"]
+    assert slopes.summary["residual_amplitude"][0] is None
+    assert slopes.summary["energy_final"][0] == pytest.approx(0.0, abs=1e-12)
+    assert slopes.envelope.height == run.envelope.height == 8
+    assert slopes.envelope["time"].to_list() == pytest.approx([-0.5] * 8, rel=1e-12)
+    assert slopes.envelope["displacement"].to_list() == pytest.approx([0.0] * 8, abs=1e-12)
+
+
+def test_a_corner_at_the_value_has_no_derivative() -> None:
+    """Differences in doubles from both sides of a start at rest are not alike."""
+
+    def let_go(velocity: float, gradients: tuple[str, ...] = ()) -> iva.Run:
+        start = iva.Start(displacement=1.0, velocity=velocity)
+        primary = iva.Primary(damping_ratio=0.02)
+        return iva.simulate(None, primary, start=start, periods=8, gradients=gradients)
+
+    low, at, high = (let_go(by).summary["damping_ratio_fit"][0] for by in (-1e-6, 0.0, 1e-6))
+    assert abs((high - at) - (at - low)) > 1e-5 * 1e-6
+    slopes = let_go(0.0, ("start.velocity",)).gradients["start.velocity"].summary
+    assert slopes["damping_ratio_fit"][0] is None
+    assert slopes["energy_final"][0] is not None
+
+
 @pytest.mark.parametrize(
     ("key", "more"),
     [

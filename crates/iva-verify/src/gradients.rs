@@ -7,6 +7,10 @@
 //! saltation matrix) and of summed chatters is in the difference. A measure that jumps (a settling time, where the last
 //! crossing moves to another half cycle) has the derivative of its current branch.
 //!
+//! Three runs at equal steps tell whether there is a derivative: where a number jumps or has a corner at the very value of
+//! the parameter (what refers to the amplitude at the start, of a structure that starts from 0), its two differences
+//! are not alike, and the derivative is null.
+//!
 //! The rows are those of the run in doubles. From the first impact whose estimated error reaches 10⁻³/ωn on, and from
 //! the first event that another run does not have, all derivatives are null.
 
@@ -33,11 +37,19 @@ const STEP: f64 = 1.0 / (1u64 << 54) as f64;
 /// Steps and weights of a difference quotient of second order: between both sides of the parameter or, where it lies at
 /// an end of its range, or where other events begin (a structure let go at rest: with a velocity it has one more peak, or
 /// none), from one side.
-const QUOTIENTS: [&[(f64, f64)]; 3] = [
-    &[(-1.0, -0.5), (1.0, 0.5)],
-    &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
-    &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
+const QUOTIENTS: [[(f64, f64); 3]; 3] = [
+    [(-1.0, -0.5), (0.0, 0.0), (1.0, 0.5)],
+    [(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
+    [(-2.0, 0.5), (-1.0, -2.0), (0.0, 1.5)],
 ];
+
+/// The part of itself by which a difference may change from one step to the next: what bends so much within 2⁻⁵⁴ has no
+/// derivative.
+const CORNER: f64 = 1e-2;
+
+/// Rounding of runs to twice the precision, over the largest number of the same quantity in a row: differences below it
+/// are taken for equal.
+const ROUNDING: f64 = 1e-26;
 
 /// Relative change of the parameter (absolute for a parameter of 0) that must be able to turn an impact into
 /// a grazing, to first order, for the impact to count as close to one.
@@ -81,9 +93,9 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
         return Err(Invalid::new("gradients", format!("`{}`", slot.path()), rule).into());
     }
     let size = if value == 0.0 { 1.0 } else { value.abs() };
-    // Events tell up to when the runs are alike.
+    // Events tell up to when the runs are alike, peaks whether they are those of one motion.
     let mut with_events = study.clone();
-    for table in [Table::Impacts, Table::Episodes] {
+    for table in [Table::Impacts, Table::Episodes, Table::Envelope] {
         if !with_events.tables.contains(&table) {
             with_events.tables.push(table);
         }
@@ -115,6 +127,14 @@ struct Weighted {
     weight: f64,
     natural_frequency: Twofold,
     rows: Rows<Twofold>,
+}
+
+/// A difference quotient that may be taken.
+struct Chosen {
+    /// Up to when its runs have the events of the run in doubles, and whether they have as many peaks.
+    rank: (f64, bool),
+    runs: Vec<Weighted>,
+    parted: Option<f64>,
 }
 
 impl Differentiated {
@@ -149,7 +169,8 @@ impl Differentiated {
             });
             let derivative = |place: usize| {
                 let others = others.as_ref().filter(|_| self.is_known(table, row, place))?;
-                self.slope(others.iter().map(|other| &other[place]), |_| Twofold::ONE)
+                let values = numbers(others, place, |_| Twofold::ONE)?;
+                self.slope(values, scale(table, row, place))
             };
             let mut cells = row.to_vec();
             for (place, cell) in cells.iter_mut().enumerate() {
@@ -160,7 +181,7 @@ impl Differentiated {
             match table {
                 Table::Summary => cells.push(self.until.map_or(Cell::Null, Cell::Number)),
                 Table::Impacts => {
-                    met |= self.is_close(index, others.as_deref());
+                    met |= self.is_close(index, row, others.as_deref());
                     cells[place_of(table, "near_grazing")] = Cell::Flag(met);
                 }
                 _ => {}
@@ -170,28 +191,26 @@ impl Differentiated {
         rows.iter().enumerate().map(row).collect()
     }
 
-    /// The difference quotient of some cells, each times a factor; `None` where there is no number.
-    fn slope<'a>(
-        &self,
-        cells: impl Iterator<Item = &'a Cell<Twofold>>,
-        factor: impl Fn(&Weighted) -> Twofold,
-    ) -> Option<f64> {
-        let mut sum = Twofold::ZERO;
-        for (run, cell) in self.beside.iter().zip(cells) {
-            let Cell::Number(value) = cell else { return None };
-            sum += *value * factor(run) * run.weight;
+    /// The difference quotient of the values of the three runs; `None` where there is no derivative.
+    fn slope(&self, values: [Twofold; 3], scale: f64) -> Option<f64> {
+        let [first, second] = [0, 1].map(|k| f64::from(values[k + 1] - values[k]));
+        let bend = (second - first).abs();
+        if bend > CORNER * (first.abs() + second.abs()) + ROUNDING * scale {
+            return None;
         }
-        let slope = f64::from(sum / (STEP * self.size));
+        let sum = self.beside.iter().zip(values).map(|(run, value)| value * run.weight);
+        let slope = f64::from(sum.sum::<Twofold>() / (STEP * self.size));
         slope.is_finite().then_some(slope)
     }
 
     /// True if a small change of the parameter could turn an impact into a grazing.
-    fn is_close(&self, index: usize, others: Option<&[&[Cell<Twofold>]]>) -> bool {
+    fn is_close(&self, index: usize, row: &[Cell], others: Option<&[&[Cell<Twofold>]]>) -> bool {
         let time = place_of(Table::Impacts, "time");
         // In natural time: a change of ωn alone moves no impact towards another.
-        let slope = others.and_then(|others| {
-            self.slope(others.iter().map(|row| &row[time]), |run| run.natural_frequency)
-        });
+        let natural = |run: usize| self.beside[run].natural_frequency;
+        let values = others.and_then(|others| numbers(others, time, natural));
+        let scale = scale(Table::Impacts, row, time) * f64::from(natural(0));
+        let slope = values.and_then(|values| self.slope(values, scale));
         let (Some(slope), Some(bend)) = (slope, self.closeness.1.impacts.get(index)) else {
             return true;
         };
@@ -222,7 +241,7 @@ impl Differentiated {
 }
 
 /// The runs of a difference quotient, and the instant from which on they do not have the events of the run in doubles: of
-/// the first that always has, else of the one that has them longest.
+/// the first that always has, and as many peaks in each run, else of the one that has them longest.
 fn quotient(
     study: &Study,
     spec: &Spec,
@@ -240,30 +259,31 @@ fn quotient(
         let natural_frequency = design.scale.natural_frequency;
         Ok(Weighted { weight, natural_frequency, rows: rows(study, &design, cancel, ())? })
     };
-    let mut best: Result<(Vec<Weighted>, Option<f64>), Invalid> =
-        Err(Invalid::new("gradients", format!("`{}`", slot.path()), "it can be no other number"));
+    let (mut best, mut refused) = (None::<Chosen>, None);
     for quotient in QUOTIENTS {
         let runs = match quotient.iter().map(run).collect::<Result<Vec<_>, Invalid>>() {
             Ok(runs) => runs,
-            Err(refused) => {
-                best = best.map_err(|_| refused);
+            Err(reason) => {
+                refused = Some(reason);
                 continue;
             }
         };
         let parted = runs.iter().filter_map(|it| parted(found, &it.rows)).reduce(f64::min);
-        let longer = match &best {
-            Ok((_, until)) => parted.is_none_or(|at| until.is_some_and(|until| at > until)),
-            Err(_) => true,
-        };
-        if longer {
-            best = Ok((runs, parted));
-        }
+        let peaks = |run: &Weighted| rows_of(&run.rows, Table::Envelope).len();
+        let alike = runs.iter().all(|run| peaks(run) == peaks(&runs[0]));
         // What happens after it has become too sensitive does not matter.
-        if parted.is_none_or(|at| sensitive.is_some_and(|from| at >= from)) {
+        let whole = parted.is_none_or(|at| sensitive.is_some_and(|from| at >= from));
+        let rank = (if whole { f64::INFINITY } else { parted.unwrap_or(0.0) }, alike);
+        if best.as_ref().is_none_or(|best| rank > best.rank) {
+            best = Some(Chosen { rank, runs, parted });
+        }
+        if whole && alike {
             break;
         }
     }
-    best
+    let none =
+        || Invalid::new("gradients", format!("`{}`", slot.path()), "it can be no other number");
+    best.map(|it| (it.runs, it.parted)).ok_or_else(|| refused.unwrap_or_else(none))
 }
 
 /// The instant of the first impact that is too sensitive, in 1/ωn; `None` if there is none.
@@ -278,6 +298,9 @@ fn parted(rows: &Rows<f64>, exact: &Rows<Twofold>) -> Option<f64> {
     let of = |table| {
         let (rows, exact) = (rows_of(rows, table), rows_of(exact, table));
         let same = rows.iter().zip(&exact).take_while(|(a, b)| alike(table, a, b)).count();
+        if same == rows.len() && same == exact.len() {
+            return None;
+        }
         let first = columns(table).iter().position(|column| column.quantity == Quantity::Time)? + 1;
         let number = |cell: &Cell| if let Cell::Number(it) = cell { Some(*it) } else { None };
         let exactly = |cell: &Cell<Twofold>| match cell {
@@ -286,9 +309,31 @@ fn parted(rows: &Rows<f64>, exact: &Rows<Twofold>) -> Option<f64> {
         };
         let one = rows.get(same).and_then(|row| number(&row[first]));
         let other = exact.get(same).and_then(|row| exactly(&row[first]));
-        one.into_iter().chain(other).reduce(f64::min)
+        Some(one.into_iter().chain(other).reduce(f64::min).unwrap_or(0.0))
     };
     [Table::Impacts, Table::Episodes].into_iter().filter_map(of).reduce(f64::min)
+}
+
+/// The numbers of three rows at a place, that of each run times a factor; `None` where one is missing.
+fn numbers(
+    rows: &[&[Cell<Twofold>]],
+    place: usize,
+    factor: impl Fn(usize) -> Twofold,
+) -> Option<[Twofold; 3]> {
+    let number = |run: usize| match rows.get(run)?[place] {
+        Cell::Number(value) => Some(value * factor(run)),
+        _ => None,
+    };
+    Some([number(0)?, number(1)?, number(2)?])
+}
+
+/// The largest number in a row of the quantity that stands at a place.
+fn scale(table: Table, row: &[Cell], place: usize) -> f64 {
+    let columns = columns(table);
+    let same =
+        columns.iter().zip(&row[1..]).filter(|it| it.0.quantity == columns[place - 1].quantity);
+    let size = |cell: &Cell| if let Cell::Number(it) = cell { it.abs() } else { 0.0 };
+    same.map(|(_, cell)| size(cell)).fold(0.0, f64::max)
 }
 
 /// The place of a column in a row, which begins with the point.
