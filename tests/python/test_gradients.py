@@ -248,7 +248,7 @@ def test_what_is_0_is_differentiated_too(
 
 
 def test_where_a_number_jumps_at_the_value_there_is_no_derivative() -> None:
-    """Without damping x = x₀ cos t + v₀ sin t, at x₀ = 0: peaks of √(x₀² + v₀²) at π/2 − x₀/v₀ + kπ.
+    """Undamped, x = x₀ cos t + v₀ sin t: near x₀ = 0 peaks of √(x₀² + v₀²) at π/2 − x₀/v₀ + kπ.
 
     What refers to the amplitude at the start has another reference as soon as x₀ is not 0.
     """

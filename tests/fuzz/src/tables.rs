@@ -10,11 +10,10 @@ use arrow_schema::DataType;
 use iva_study::{Error, StudyFile};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
-use iva_sweep::gradients::gradients;
 use iva_sweep::motion::{samples, trajectory};
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
-use iva_verify::verify;
+use iva_verify::{gradients, verify};
 
 /// At most so many impacts, and segments.
 const WORK: f64 = 200.0;

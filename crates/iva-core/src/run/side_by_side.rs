@@ -7,7 +7,7 @@
 //!
 //! * **A stretch has no branches.** The trials of a free mass (`run/free_mass.rs`) and the steps of a
 //!   pendulum (`run/piva.rs`) are written for one lane and one number type. The compiler turns a loop over
-//!   arrays of lanes into vector code for AVX-512, AVX2 or the baseline, chosen at run time. Every lane
+//!   arrays of lanes into vector code, for AVX-512 where the machine has it (`number/vectors.rs`). Every lane
 //!   computes all cases and selects its own.
 //! * **What is not simple goes to the event loop.** Each lane belongs to a run of the event loop. Where a
 //!   stretch is not decided without a search, at a low rebound, at a stick episode and at the end, the lane
