@@ -224,7 +224,7 @@ impl<R: Real> Given<'_, R> {
                         let system = system.inclined(along, force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
                     }
-                    None if force.is_none() => Ok(Scene::Siva(Mounted { system, start, gravity })),
+                    None if Scene::undriven(&force) => Ok(Scene::Siva(Mounted { system, start, gravity })),
                     None => {
                         let system = system.under(force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
@@ -242,7 +242,7 @@ impl<R: Real> Given<'_, R> {
                 }
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
-                if force.is_none() {
+                if Scene::undriven(&force) {
                     Ok(Scene::Piva(Box::new(Mounted { system, start, gravity })))
                 } else {
                     let system = system.under(force);
@@ -254,7 +254,7 @@ impl<R: Real> Given<'_, R> {
                 let start = Point { x: start.displacement, v: start.velocity }.into();
                 system.check_start(&start)?;
                 let gravity = None;
-                if force.is_none() {
+                if Scene::undriven(&force) {
                     Ok(Scene::Alone(Mounted { system, start, gravity }))
                 } else {
                     let system = system.under(force);

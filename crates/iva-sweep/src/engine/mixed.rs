@@ -57,7 +57,7 @@ pub(super) fn scene<R: Real>(
     system.check_start(&start).map_err(|error| of_owner(given, error))?;
     let gravity =
         if gravities.contains(&None) { None } else { gravities.into_iter().flatten().next() };
-    if force.is_none() {
+    if Scene::undriven(&force) {
         return Ok(Scene::Mixed(Box::new(Mounted { system, start, gravity })));
     }
     let system = system.under(force);

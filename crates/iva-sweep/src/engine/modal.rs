@@ -122,7 +122,7 @@ fn mounted<R: Real>(
     let system = Modal::of(modes, &masses)?.seen_at(seen)?.with_dashpots(&dashpots)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
     let gravity = None;
-    if force.is_none() {
+    if Scene::undriven(&force) {
         return Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })));
     }
     let system = system.under(force, pushed).map_err(named)?;

@@ -60,58 +60,27 @@ pub enum Scene<R: Real = f64> {
 /// is kept small, and does not.
 pub(crate) const EVERY_SCENE: bool = cfg!(feature = "sweeps");
 
-/// Code for the system of a scene of any kind, with its start.
+/// Code for the system of a scene of any kind, with its start, in numbers `R`.
 macro_rules! with_system {
-    ($scene:expr, |$mounted:ident| $body:expr) => {
+    ($scene:expr, |$mounted:ident| $body:expr) => {{
+        use $crate::engine::scene::{EVERY_SCENE, Scene};
         match $scene {
-            $crate::engine::scene::Scene::Siva($mounted) => $body,
-            $crate::engine::scene::Scene::DrivenSiva($mounted) => $body,
-            $crate::engine::scene::Scene::Piva($mounted) => $body,
-            $crate::engine::scene::Scene::DrivenPiva($mounted) => $body,
-            $crate::engine::scene::Scene::Several($mounted)
-                if $crate::engine::scene::EVERY_SCENE =>
-            {
-                $body
-            }
-            $crate::engine::scene::Scene::DrivenSeveral($mounted)
-                if $crate::engine::scene::EVERY_SCENE =>
-            {
-                $body
-            }
-            $crate::engine::scene::Scene::Sliding($mounted)
-                if $crate::engine::scene::EVERY_SCENE =>
-            {
-                $body
-            }
-            $crate::engine::scene::Scene::Mixed($mounted) if $crate::engine::scene::EVERY_SCENE => {
-                $body
-            }
-            $crate::engine::scene::Scene::DrivenMixed($mounted)
-                if $crate::engine::scene::EVERY_SCENE =>
-            {
-                $body
-            }
-            $crate::engine::scene::Scene::Modal($mounted) if $crate::engine::scene::EVERY_SCENE => {
-                $body
-            }
-            $crate::engine::scene::Scene::DrivenModal($mounted)
-                if $crate::engine::scene::EVERY_SCENE =>
-            {
-                $body
-            }
-            $crate::engine::scene::Scene::Several(_)
-            | $crate::engine::scene::Scene::DrivenSeveral(_)
-            | $crate::engine::scene::Scene::Mixed(_)
-            | $crate::engine::scene::Scene::DrivenMixed(_)
-            | $crate::engine::scene::Scene::Modal(_)
-            | $crate::engine::scene::Scene::DrivenModal(_)
-            | $crate::engine::scene::Scene::Sliding(_) => {
-                unreachable!("scenes of this kind are not built")
-            }
-            $crate::engine::scene::Scene::Alone($mounted) => $body,
-            $crate::engine::scene::Scene::DrivenAlone($mounted) => $body,
+            Scene::Siva($mounted) if Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenSiva($mounted) => $body,
+            Scene::Piva($mounted) if Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenPiva($mounted) => $body,
+            Scene::Several($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenSeveral($mounted) if EVERY_SCENE => $body,
+            Scene::Sliding($mounted) if EVERY_SCENE => $body,
+            Scene::Mixed($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenMixed($mounted) if EVERY_SCENE => $body,
+            Scene::Modal($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenModal($mounted) if EVERY_SCENE => $body,
+            Scene::Alone($mounted) if Scene::<R>::UNDRIVEN => $body,
+            Scene::DrivenAlone($mounted) => $body,
+            _ => unreachable!("scenes of this kind are not built"),
         }
-    };
+    }};
 }
 pub(crate) use with_system;
 
@@ -129,6 +98,15 @@ pub struct Absorber<R = f64> {
 }
 
 impl<R: Real> Scene<R> {
+    /// Whether what nothing drives runs as a kind of scene of its own, which is faster. In other numbers than doubles
+    /// it is a driven one without force, so that half as many event loops are compiled.
+    pub(crate) const UNDRIVEN: bool = R::FAST_PATHS;
+
+    /// Whether a scene with this force runs as one that nothing drives.
+    pub(crate) fn undriven(force: &Force<R>) -> bool {
+        Self::UNDRIVEN && force.is_none()
+    }
+
     /// Number of absorbers.
     pub fn count(&self) -> usize {
         with_system!(self, |it| it.system.absorbers())

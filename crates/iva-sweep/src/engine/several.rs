@@ -41,7 +41,7 @@ pub(super) fn scene<R: Real>(
     let system = Several::of(given.damping_ratio(scale, units)?, &masses)?;
     system.check_start(&start).map_err(|error| of_owner(given, error))?;
     let gravity = None;
-    if force.is_none() {
+    if Scene::undriven(&force) {
         return Ok(Scene::Several(Box::new(Mounted { system, start, gravity })));
     }
     let system = system.under(force);
