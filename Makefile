@@ -18,8 +18,12 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 	-o -name 'py.typed' -o -name Cargo.toml -o -path '*/web/*' \)) Cargo.toml Cargo.lock pyproject.toml README.md \
 	LICENSE-APACHE LICENSE-MIT THIRD-PARTY-NOTICES.txt
 
-# One interpreter for every cargo call, so that switching between targets rebuilds nothing.
+# Every cargo call is told of Python what maturin tells its own, so that switching between targets rebuilds nothing.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
+ifeq ($(shell uname -s),Linux)
+export PYO3_CONFIG_FILE := $(abspath .ci/pyo3-config.txt)
+export PYO3_BUILD_EXTENSION_MODULE := 1
+endif
 
 .DEFAULT_GOAL := help
 .PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start weight check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
