@@ -5,6 +5,7 @@
 //! [`scene`]) → `point` (the run; `ended` is its result) → `rows` (its rows, in the user's units by [`scale`]). Results are computed
 //! in doubles; the crate `iva-verify` computes them in numbers of twice the precision.
 
+pub mod contact;
 pub(crate) mod dashpot;
 pub mod design;
 pub(crate) mod ended;

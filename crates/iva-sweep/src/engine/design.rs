@@ -5,6 +5,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::contact::Contact;
 use super::dashpot;
 use super::forces;
 use super::free_mass::{self, Weight};
@@ -42,9 +43,8 @@ pub struct Design<R: Real = f64> {
     pub limits: Limits<R>,
     /// The instant at which the run begins, in 1/ωn.
     pub begin: R,
-    /// For each absorber the largest force over the primary mass in an impact, per velocity that the structure gains;
-    /// `None` if neither contact time nor contact stiffness is given.
-    pub contact_rates: [Option<R>; MOST_ABSORBERS],
+    /// What is known of the contacts of each absorber; `None` if neither contact time nor contact stiffness is given.
+    pub contacts: [Option<Contact<R>>; MOST_ABSORBERS],
     /// The window of the steady state.
     pub window: Window<R>,
     /// Factors from natural units to the user's.
@@ -100,10 +100,10 @@ impl<R: Real> Given<'_, R> {
         }
         let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
-        let mut contact_rates = [None; MOST_ABSORBERS];
+        let mut contacts = [None; MOST_ABSORBERS];
         let owners = self.spec.owners().enumerate();
-        for ((place, owner), rate) in owners.zip(&mut contact_rates) {
-            *rate = self.of(owner).contact_rate((&scene, place), &scale, units)?;
+        for ((place, owner), contact) in owners.zip(&mut contacts) {
+            *contact = self.of(owner).contact((&scene, place), &scale, units)?;
         }
         let clearance = scene.clearance();
         let limits = Limits {
@@ -120,7 +120,7 @@ impl<R: Real> Given<'_, R> {
         limits.check()?;
         let tolerance = self.get(FieldId::Tolerance).unwrap_or(R::ZERO);
         let tier = if tolerance > 0.0 { Tier::Fast } else { Tier::Exact };
-        Ok(Design { scene, limits, begin, contact_rates, window, scale, units, tier })
+        Ok(Design { scene, limits, begin, contacts, window, scale, units, tier })
     }
 
     /// The parameters that all absorbers have, with that of their primary, in natural units.
@@ -136,24 +136,22 @@ impl<R: Real> Given<'_, R> {
         Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
-    /// The largest force of an absorber, which has this place in the scene, per velocity that the structure gains. The force of an impact as a half sine in time: for a duration t its maximum is π/2t times its
-    /// integral. On a spring k between two masses it lasts π/ω, with ω² = k (1/m + 1/M).
-    fn contact_rate(
+    /// What is known of the contacts of an absorber, which has this place in the scene.
+    fn contact(
         &self,
         (scene, place): (&Scene<R>, usize),
         scale: &Scale<R>,
         units: UnitSystem,
-    ) -> Result<Option<R>, Invalid> {
+    ) -> Result<Option<Contact<R>>, Invalid> {
         self.at_most_one(&[FieldId::ContactTime, FieldId::ContactStiffness])?;
-        let half_pi = R::TURN.value * 0.25;
         let omega = scale.natural_frequency;
         if let Some(time) = self.get(FieldId::ContactTime) {
-            return Ok(Some(half_pi / (time * omega)));
+            return Ok(Some(Contact::Lasts(time * omega)));
         }
         match (self.get(FieldId::ContactStiffness), scene.absorber_of(place)) {
             (Some(stiffness), Some(absorber)) if units == UnitSystem::Si => {
                 let share = absorber.mass_ratio / (R::ONE + absorber.mass_ratio);
-                Ok(Some((stiffness / (scale.mass * share)).sqrt() * 0.5 / omega))
+                Ok(Some(Contact::Spring((stiffness * share / scale.mass).sqrt() / omega)))
             }
             (Some(stiffness), Some(_)) => {
                 Err(self.needs_mass(FieldId::ContactStiffness, stiffness, "or give contact_time"))
@@ -224,7 +222,9 @@ impl<R: Real> Given<'_, R> {
                         let system = system.inclined(along, force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
                     }
-                    None if Scene::undriven(&force) => Ok(Scene::Siva(Mounted { system, start, gravity })),
+                    None if Scene::undriven(&force) => {
+                        Ok(Scene::Siva(Mounted { system, start, gravity }))
+                    }
                     None => {
                         let system = system.under(force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))

@@ -432,8 +432,11 @@ impl<R: Real> Point<'_, R> {
                     let estimate = seen.estimates.of_impact(index);
                     let approach = impact.approach_speed();
                     let absorber = usize::from(impact.absorber);
-                    let rate = design.contact_rates.get(absorber).copied().flatten();
-                    let peak_force = rate.map(|rate| rate * gained(system, impact, approach));
+                    let contact = design.contacts.get(absorber).copied().flatten();
+                    let peak_force = contact.map(|contact| {
+                        let law = system.law_of(absorber, impact.wall, approach);
+                        contact.force(gained(system, impact, approach), approach, law.restitution)
+                    });
                     let of_impact =
                         ImpactRow { index, impact, peak_force, angles, estimate, scale };
                     row(&mut self.numbered(&of_impact));

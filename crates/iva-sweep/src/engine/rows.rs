@@ -3,6 +3,7 @@
 
 use std::iter;
 
+use super::contact::Contact;
 use super::design::Design;
 use super::ended::Ended;
 use super::scale::Scale;
@@ -65,7 +66,7 @@ impl SummaryColumn {
 /// A row of `summary`.
 pub(crate) struct RunRow<'a, R: Real = f64> {
     pub ended: &'a Ended<R>,
-    pub contact_rates: &'a [Option<R>],
+    pub contacts: &'a [Option<Contact<R>>],
     pub scene: &'a Scene<R>,
     pub scale: &'a Scale<R>,
 }
@@ -73,8 +74,8 @@ pub(crate) struct RunRow<'a, R: Real = f64> {
 impl<'a, R: Real> RunRow<'a, R> {
     /// The row of a run.
     pub fn new(design: &'a Design<R>, ended: &'a Ended<R>) -> Self {
-        let Design { scene, scale, contact_rates, .. } = design;
-        Self { ended, contact_rates, scene, scale }
+        let Design { scene, scale, contacts, .. } = design;
+        Self { ended, contacts, scene, scale }
     }
 
     /// The cell of an entry of the table.
@@ -91,7 +92,7 @@ impl<'a, R: Real> RunRow<'a, R> {
 
     /// What the run has come to for each absorber.
     pub fn absorbers(&self) -> impl Iterator<Item = AbsorberRow<'a, R>> {
-        let Self { ended, contact_rates, scene, scale } = *self;
+        let Self { ended, contacts, scene, scale } = *self;
         let single = ended.absorbers.is_empty() && scene.count() > 0;
         let alone = single.then(|| ended.tally.of_absorber(largest_impulse(ended, scene)));
         let all = alone.into_iter().chain(ended.absorbers.iter().copied());
@@ -99,7 +100,14 @@ impl<'a, R: Real> RunRow<'a, R> {
             absorber,
             of,
             extremes: ended.extremes.get(absorber),
-            contact_rate: contact_rates.get(absorber).copied().flatten(),
+            peak_force: contacts.get(absorber).copied().flatten().map(|contact| {
+                let at = |wall: Wall, approach: R| {
+                    let restitution = scene.restitution_of(absorber, wall, approach);
+                    contact.force(of.impulse, approach, restitution)
+                };
+                let [plus, minus] = of.approach_speeds;
+                R::larger(at(Wall::Plus, plus), at(Wall::Minus, minus))
+            }),
             scale,
         })
     }
@@ -234,7 +242,8 @@ pub(crate) struct AbsorberRow<'a, R = f64> {
     pub absorber: usize,
     pub of: OfAbsorber<R>,
     pub extremes: Option<&'a ExtremeValues<R>>,
-    pub contact_rate: Option<R>,
+    /// Estimate of the largest force in an impact, over M ωn².
+    pub peak_force: Option<R>,
     pub scale: &'a Scale<R>,
 }
 
@@ -245,7 +254,7 @@ impl<R: Real> AbsorberRow<'_, R> {
     }
 
     fn peak_force(&self) -> Option<R> {
-        self.contact_rate.map(|rate| self.scale.force(self.of.impulse * rate))
+        self.peak_force.map(|force| self.scale.force(force))
     }
 }
 

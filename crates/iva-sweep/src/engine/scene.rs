@@ -222,6 +222,11 @@ impl<R: Real> Scene<R> {
         Some(with_system!(self, |it| it.system.walls_reachable()))
     }
 
+    /// The restitution of an absorber at a wall, of an approach speed.
+    pub fn restitution_of(&self, absorber: usize, wall: Wall, approach: R) -> R {
+        with_system!(self, |it| it.system.law_of(absorber, wall, approach).restitution)
+    }
+
     /// The impulse of an impact of the only absorber on a wall, of an approach speed, over the mass of the structure,
     /// per gap velocity.
     pub fn impulse_at(&self, wall: Wall, approach: R) -> R {
