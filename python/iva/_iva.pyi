@@ -54,6 +54,7 @@ __all__ = [
     "switch",
     "trajectory",
     "unit_system",
+    "verdict_on_contacts",
     "verify",
     "visible",
 ]
@@ -170,6 +171,9 @@ def check_restitution_table(
 def check_choices(words: Sequence[tuple[str, str]]) -> None: ...
 def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
 def doubts(spec: _Spec, sampling: tuple[Any, ...] | None = None) -> list[str]: ...
+def verdict_on_contacts(
+    spec: _Spec, times: list[float], absorbers: list[int]
+) -> str | None: ...
 def simulate(
     spec: _Spec,
     measures: Sequence[str] | None = None,

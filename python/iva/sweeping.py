@@ -12,7 +12,7 @@ from iva import _iva
 from iva.forces import Force
 from iva.frames import from_arrow
 from iva.manifests import FILE, manifest_of
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Absorbers, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read
@@ -183,7 +183,7 @@ def sweep(
         names("measures", measures),
         truth("errors", errors),
     )
-    warn_of_metres(spec, points)
+    warn_of_doubts(spec, points)
     limit = number("memory_limit", memory_limit)
     if out is None:
         for name, asked in (("resume", resume), ("overwrite", overwrite)):

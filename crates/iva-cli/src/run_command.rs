@@ -1,5 +1,6 @@
 //! `iva run`: a single run with all its tables.
 
+use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use arrow_array::RecordBatch;
@@ -7,10 +8,11 @@ use iva_store::manifest::Total;
 use iva_store::output::Output;
 use iva_store::table_file::part_schema;
 use iva_study::error::Kept;
-use iva_study::resolved::{resolve, write};
+use iva_study::resolved::{first_upper, resolve, write};
 use iva_study::study_file::{StudyFile, read_study};
 use iva_study::threads::workers;
 use iva_sweep::done::Done;
+use iva_sweep::doubts::contacts;
 use iva_sweep::identity::Identity;
 use iva_sweep::motion::trajectory;
 use iva_sweep::sampling::Sampling;
@@ -21,8 +23,10 @@ use iva_verify::{Verification, verify};
 use serde_json::json;
 
 use crate::args::RunPointArgs;
+use crate::cell::number;
 use crate::error::Error;
 use crate::interrupt;
+use crate::layout::wrap;
 use crate::log::Log;
 use crate::progress::Progress;
 use crate::report::print_run;
@@ -88,6 +92,14 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     let mut out = String::new();
     if let Some(summary) = tables.get(&Table::Summary) {
         out.push_str(&print_run(summary, &file.study, units));
+    }
+    if let Some(impacts) = tables.get(&Table::Impacts) {
+        let cell = |name, row| number(impacts, name, row);
+        let hits = (0..impacts.num_rows())
+            .filter_map(|row| Some((cell("time", row)?, cell("absorber", row)? as u64)));
+        if let Some(verdict) = contacts::verdict(&file.study.spec, hits) {
+            let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(&verdict))));
+        }
     }
     out.push_str(&print_written(&dir, &written));
     if let Some(verification) = &verification {

@@ -153,6 +153,17 @@ pub fn doubts(
     Ok(iva_sweep::doubts::doubts(&arguments::spec(spec)?, &points))
 }
 
+/// What the contacts of a run amount to, from the instants of its impacts and the number of the absorber of each.
+#[pyfunction]
+pub fn verdict_on_contacts(
+    spec: &Bound<'_, PyDict>,
+    times: Vec<f64>,
+    absorbers: Vec<u64>,
+) -> PyResult<Option<String>> {
+    let impacts = times.into_iter().zip(absorbers);
+    Ok(iva_sweep::doubts::contacts::verdict(&arguments::spec(spec)?, impacts))
+}
+
 /// Sentence and table → column → unit in one of the unit systems, with the swept keys.
 #[pyfunction]
 pub fn column_units(

@@ -37,7 +37,7 @@ mod _iva {
     use super::calls::{
         check, check_choices, check_restitution_table, column_units, design, doubts, fields,
         gradients, larger_is_better, main, modes, primary_units, simulate, state, states,
-        trajectory, unit_system, verify,
+        trajectory, unit_system, verdict_on_contacts, verify,
     };
     #[pymodule_export]
     use super::dynamics::orbit;

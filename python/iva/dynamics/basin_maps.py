@@ -14,7 +14,7 @@ from iva.dynamics.inventories import Attractors
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
 from iva.forces import Harmonic, written
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -236,7 +236,7 @@ def basins(
     names, values = plane(over)
     begin = Start() if start is None else start_of(start)
     made = scene(absorber, primary, begin, force, {})
-    warn_of_metres(made)
+    warn_of_doubts(made)
     given = None
     if attractors is not None:
         given = known(attractors, (absorber, primary, force), begin)

@@ -9,7 +9,7 @@ from iva import _iva
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import NAMES, start_of, whole
 from iva.forces import Harmonic, written
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -206,7 +206,7 @@ def diagram(
         raise ValueError(f"direction = {shown(direction)}: give 'both', 'up' or 'down'")
     begin = Start() if start is None else start_of(start)
     made = scene(absorber, primary, begin, force, {})
-    warn_of_metres(made)
+    warn_of_doubts(made)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("keep", keep, 1, MOST_CYCLES))
     found = _iva.diagram(made, name, values, DIRECTIONS[direction], window)
     heads = zip(

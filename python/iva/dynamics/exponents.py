@@ -10,7 +10,7 @@ from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic, written
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -182,7 +182,7 @@ def lyapunov(
         raise ValueError("box: give it without a start, or a start without it")
     begin = Start() if start is None else start_of(start)
     made = scene(absorber, primary, begin, force, {})
-    warn_of_metres(made)
+    warn_of_doubts(made)
     count = whole("seeds", seeds, 1, MOST_STARTS)
     starts = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), start is not None)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("cycles", cycles, 1, MOST_CYCLES))

@@ -11,7 +11,7 @@ from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic, written
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -243,7 +243,7 @@ def attractors(
     ({'3:1': 1.0}, True)
     """
     made = scene(absorber, primary, Start(), force, {})
-    warn_of_metres(made)
+    warn_of_doubts(made)
     count = whole("starts", starts, 1, MOST_STARTS)
     given = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), False)
     found = _iva.attractors(

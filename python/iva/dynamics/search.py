@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from iva import _iva, theory
 from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
 from iva.forces import Harmonic, listed
-from iva.millimetres import warn_of_metres
+from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown
 from iva.scenes import scene
 from iva.simulation import Run, state_of, truth
@@ -105,7 +105,7 @@ def orbit(
     begin = start_of(start)
     forces = listed(force)
     made = scene(absorber, primary, begin, forces, {})
-    warn_of_metres(made)
+    warn_of_doubts(made)
     asked = (
         whole("periods", periods, 1, MOST_PERIODS),
         either("symmetric", symmetric),

@@ -1,4 +1,4 @@
-"""Metres that were meant to be millimetres: one warning, and none for what is meant so."""
+"""What was hardly meant, as metres for millimetres: one warning, and none for what is meant so."""
 
 from __future__ import annotations
 
@@ -98,6 +98,60 @@ def test_metres_for_millimetres() -> None:
         "absorber.gap_mm = 0.005 mm is 800 times as small as start.displacement_mm = 4 mm: where "
         "metres are meant, give gap"
     ]
+
+
+def test_contacts_that_are_no_impacts() -> None:
+    # 63.2 rad/s have a period of 99.3 ms.
+    assert run(siva(gap_mm=5.0, contact_time=0.02), {"displacement_mm": 4.0}) == [
+        "a contact of the absorber lasts 20 % of a natural period: impacts take no time here, and "
+        "contacts that last more than some 5 % change the motion"
+    ]
+    # With e = 1 half a period of a spring: π √(m/k), m = 3 · 0.1/1.1 kg.
+    soft = iva.Siva(mass_ratio=0.1, restitution=1.0, gap_mm=5.0, contact_stiffness=1_000.0)
+    (said,) = run(soft, {"displacement_mm": 4.0})
+    assert "lasts 52.25 % of" in said
+    assert run(siva(gap_mm=5.0, contact_time=0.004), {"displacement_mm": 4.0}) == []
+    natural = siva(clearance=1.0, contact_time=1.0)
+    assert len(run(natural, {"displacement": 1.0}, iva.Primary(damping_ratio=0.01))) == 1
+    pair = [siva(gap=0.004), siva(gap=0.004, contact_time=0.02)]
+    (said,) = told(iva.simulate, pair, METRIC, start=iva.Start(displacement=0.004), duration=0.1)
+    assert said.startswith("a contact of absorber 1 lasts 20 % of")
+
+
+def test_impacts_that_follow_before_a_contact_would_have_ended(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lasts = 0.004
+    given = siva(gap_mm=5.0, contact_time=lasts)
+    made = iva.simulate(given, METRIC, start=iva.Start(displacement_mm=4.0), duration=2.0)
+    times = made.impacts["time"].to_list()
+    sooner = sum(later - time < lasts for time, later in zip(times, times[1:], strict=False))
+    assert 0 < sooner < len(times) - 1
+    said = f"a contact lasts 4.03 % of a natural period; {sooner} of {len(times)} impacts follow"
+    assert f"  {said}" in str(made)
+    study = tmp_path / "study.toml"
+    quick = iva.simulate(given, METRIC, start=iva.Start(displacement_mm=4.0), duration=0.1)
+    assert "no impact follows another one before" in str(quick)
+    assert "contact lasts" not in str(
+        iva.simulate(siva(gap_mm=5.0), METRIC, start=iva.Start(displacement_mm=4.0), duration=2.0)
+    )
+    study.write_text(
+        "version = 1\n[primary]\nmass = 3.0\nstiffness = 12_000.0\n[absorber]\n"
+        'kind = "siva"\nmass = 0.3\nrestitution = 0.5\ngap_mm = 5.0\ncontact_time = 0.004\n'
+        "[start]\ndisplacement_mm = 4.0\n[run]\nduration = 2.0\n",
+        encoding="utf-8",
+    )
+    assert _iva.main(["iva", "run", str(study), "--out", str(tmp_path / "out")]) == 0
+    printed = " ".join(capfd.readouterr().out.split())
+    assert f"{said[0].upper()}{said[1:]} another one" in printed
+
+
+def test_a_damping_ratio_in_percent() -> None:
+    damped = iva.Primary(mass=3.0, stiffness=12_000.0, damping_ratio=0.6)
+    assert run(None, {"displacement_mm": 4.0}, damped) == [
+        "primary.damping_ratio = 0.6 is 60 % of critical damping: where 0.6 % is meant, give 0.006"
+    ]
+    assert run(None, {"displacement": 4.0}, iva.Primary(damping_ratio=0.6)) == []
 
 
 def test_each_absorber_of_a_list() -> None:
