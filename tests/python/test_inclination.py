@@ -397,3 +397,27 @@ def test_a_sweep_is_its_runs(force: Any) -> None:
             assert bits(rows, names) == bits(getattr(run, name), names)
         finals.append(run.summary["energy_final"].item())
     assert len(set(finals)) == 5  # a level one does not feel gravity
+
+
+@pytest.mark.parametrize("mass_ratio", [1e-18, 1e-22, 1e-25, 1e-30])
+def test_a_ball_of_no_mass_rebounds_as_one_of_little_mass(mass_ratio: float) -> None:
+    # Thrown from 10 m above the stop of a structure at rest: v₁ = √(15² + 2 · 9.81 · 10) m/s, and each
+    # rebound lasts 2 eᵏ v₁/g.
+    e, g = 0.8, 9.81
+    ball = iva.Siva(
+        mass_ratio=mass_ratio, restitution=e, gap=100.0, inclination_deg=90, gravity=g
+    )
+    primary = iva.Primary(mass=1e3, frequency_hz=1.0)
+    start = iva.Start(gap_displacement=-40.0, gap_velocity=15.0)
+    run = iva.simulate(ball, primary, start=start, duration=25.0)
+    speed = math.sqrt(15.0**2 + 2 * g * 10.0)
+    count = run.impacts.height
+    assert count == 50, "down to the default chatter floor"
+    assert run.impacts["approach_velocity"].abs()[-1] == pytest.approx(speed * e**49, rel=1e-11)
+    expected = (15.0 + speed) / g + 2 * speed / g * (e - e ** np.arange(1, count + 1)) / (1 - e)
+    assert np.abs(run.impacts["time"].to_numpy() / expected - 1).max() < 1e-13
+    (above,) = run.at([10.0])["gap_displacement"]
+    last = int(np.searchsorted(expected, 10.0)) - 1
+    since = 10.0 - expected[last]
+    flown = speed * e ** (last + 1) * since - g * since**2 / 2
+    assert above == pytest.approx(flown - 50.0, rel=1e-12)

@@ -80,9 +80,12 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             back: self.system.back(state),
         };
         // Tests first without D⁗, which is expensive: most rebounds are far too high.
-        let low = rebound.summable();
+        let mut low = rebound.summable();
         if low {
-            rebound.fourth = self.system.flight(state).fourth();
+            let flight = self.system.flight(state);
+            rebound.fourth = flight.fourth();
+            // Over a structure at rest high rebounds are summable too; those that are listed are flown in one piece each.
+            low = self.system.slides() || rebound.first_search() <= flight.reach();
         }
         let stick_clock = self.progress.clock.plus(rebound.tail());
         let smooth = low && rebound.tail() < self.system.excitation().smooth_for(S::phase(state));
