@@ -4,6 +4,7 @@ use super::{AT_ONCE_ULPS, Mixed, MixedFlight, MixedStart, MixedState, Placed};
 use crate::absorber::impact::{Impact, delay};
 use crate::absorber::{Absorber, Angle, Clock, Wall};
 use crate::error::Invalid;
+use crate::force::Drive;
 use crate::host::oscillator::Primary;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -32,6 +33,14 @@ impl<R: Real, H: Host<Real = R>> Mixed<H> {
         after.primary = Primary { x: x.plus(u[0] * later), v: v.plus(u[1] * later) };
         after.phase = self.host.free().later(&state.phase, later);
         after
+    }
+
+    /// The size of the terms that cancel in the acceleration of the structure.
+    fn terms(&self, state: &MixedState<H>) -> R {
+        let Primary { x, v } = state.primary;
+        let own = x.value.abs() + self.host.damping_ratio() * 2.0 * v.value.abs();
+        let drive = self.host.drive_ahead::<1>(&state.phase);
+        own + drive.map_or(R::ZERO, |Drive { primary, base }| primary[0].abs() + base[0].abs())
     }
 }
 
@@ -164,14 +173,15 @@ impl<R: Real, H: Host<Real = R>> Absorber for Mixed<H> {
         let Jet { value, rate, curvature, .. } = self.pressure_of(state, k);
         let later = delay(value, rate, curvature);
         let mut after = self.shortly(state, &self.beginning(state), later);
+        let pull = self.terms(&after);
         for other in 0..self.members.len() {
             let member = &self.members[other];
             let place = &state.places[other];
-            let [_, constant] = member.pressure(place.wall);
+            let [factor, constant] = member.pressure(place.wall);
             let leaves = || {
-                let left = self.pressure_of(&after, other).value;
-                let size = left.abs() + constant.abs() * 2.0;
-                left <= size * (R::EPSILON * FREE_ULPS)
+                let Jet { value, rate, .. } = self.pressure_of(&after, other);
+                let size = constant.abs() * 2.0 + factor.abs() * pull;
+                rate < 0.0 && value <= size * (R::EPSILON * FREE_ULPS)
             };
             if place.stuck && (other == k || leaves()) {
                 let w = DoubleDouble::ZERO;
