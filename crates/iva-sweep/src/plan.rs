@@ -27,11 +27,34 @@ const ROW_SECONDS: f64 = 0.4e-6;
 /// Number of points that are run to estimate the work of a point.
 const SAMPLES: u64 = 16;
 
-/// Assumed time of a segment of motion, in seconds.
+/// Assumed time of a segment of motion, in seconds: as measured for each kind of scene.
 fn segment_seconds(study: &Study) -> f64 {
-    let plain = match study.spec.choices().kind {
-        Kind::Siva if !study.spec.is_driven() => 0.4e-6,
-        _ => 1e-6,
+    let spec = &study.spec;
+    let absorbers: usize = (0..spec.count()).map(|number| spec.units_of(number)).sum();
+    let sets = |field: FieldId| {
+        let of_one = |number| spec.get_of(number, field).is_some_and(|it| it != 0.0);
+        (0..spec.count()).any(of_one) || study.sampling.keys().any(|key| key.slot.field == field)
+    };
+    let pendulum = spec.choices().kind == Kind::Piva;
+    let plain = if spec.structure().is_some()
+        || sets(FieldId::GapDamping)
+        || sets(FieldId::GapDampingRatio)
+    {
+        20e-6
+    } else if absorbers > 1 && pendulum {
+        8e-6
+    } else if sets(FieldId::Friction) {
+        5e-6
+    } else if absorbers > 1 {
+        2e-6
+    } else if pendulum
+        || spec.is_driven()
+        || sets(FieldId::InclinationDeg)
+        || sets(FieldId::Inclination)
+    {
+        1e-6
+    } else {
+        0.4e-6
     };
     if study.errors { 10.0 * plain } else { plain }
 }
