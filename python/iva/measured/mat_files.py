@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from iva.measured.channels import Channel
+from iva.measured.clocks import FEWEST
 from iva.measured.sensor_units import parted, unit_of
 
 #: The begin of a file of version 7.3, and the signature of the HDF5 that it is.
@@ -20,7 +21,8 @@ NEWER = (b"MATLAB 7.3", b"\x89HDF\r\n\x1a\n")
 def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
     """Return the vectors of numbers in a MAT file, those in structs as ``struct.field``.
 
-    The columns of a matrix are ``name(:,1)``, ``name(:,2)``, … A field of the same name in a struct
+    The columns of a matrix are ``name(:,1)``, ``name(:,2)``, …; of one with a row for each channel
+    they are the rows, ``name(1,:)``, ``name(2,:)``, … A field of the same name in a struct
     ``units`` states the unit, as in files that this package writes.
 
     Raises
@@ -35,10 +37,12 @@ def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
     ]
     words = [(name, value) for name, value in leaves if value.dtype.kind == "U" and value.size]
     texts = {name: str(value.flat[0]) for name, value in words}
+    sizes = [value.size for _, value in leaves if is_of_numbers(value) and 1 in value.shape]
+    lengths = {size for size in sizes if size >= FEWEST}
     channels = [
         channel(name, values, texts.get(f"units.{name}", ""))
         for leaf, value in leaves
-        for name, values in vectors(leaf, value)
+        for name, values in vectors(leaf, value, lengths)
     ]
     if not channels:
         raise ValueError(f"{path}: no vectors of real numbers in it; give times and values")
@@ -102,12 +106,35 @@ def flattened(name: str, value: Any) -> Iterator[tuple[str, NDArray[Any]]]:
             yield from flattened(f"{name}.{field}", value.flat[0][field])
 
 
-def vectors(name: str, value: NDArray[Any]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Give the vectors of real numbers in an array: itself, or the columns of a matrix."""
-    if value.ndim != 2 or value.dtype.kind not in "iuf" or value.size < 2:
+def is_of_numbers(value: NDArray[Any]) -> bool:
+    """Return whether an array is a vector or a matrix of real numbers."""
+    return value.ndim == 2 and value.dtype.kind in "iuf" and value.size > 1
+
+
+def vectors(
+    name: str, value: NDArray[Any], lengths: Collection[int]
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Give the channels in an array: itself, or the columns or the rows of a matrix.
+
+    Parameters
+    ----------
+    name : str
+        Name of the array.
+    value : ndarray
+        The array.
+    lengths : collection of int
+        Lengths of the records among the vectors of the same file. Samples run along the side of a
+        matrix that is as long as one of them, or else along the longer side.
+    """
+    if not is_of_numbers(value):
         return
     if 1 in value.shape:
         yield name, value.reshape(-1)
         return
-    for column in range(value.shape[1]):
-        yield f"{name}(:,{column + 1})", value[:, column]
+    rows, columns = value.shape
+    fits = (rows in lengths, columns in lengths)
+    along_rows = fits[1] if fits[0] != fits[1] else columns > rows
+    if along_rows:
+        yield from ((f"{name}({row + 1},:)", value[row]) for row in range(rows))
+    else:
+        yield from ((f"{name}(:,{column + 1})", value[:, column]) for column in range(columns))
