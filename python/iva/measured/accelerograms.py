@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -9,6 +10,17 @@ import numpy as np
 from iva import _iva
 from iva.measured.channels import Channel
 from iva.measured.sensor_units import unit_of
+
+#: So many lines stand above the values.
+HEADER_LINES = 4
+
+
+def is_accelerogram(lines: Sequence[str]) -> bool:
+    """Return whether lines are those of an AT2 file: one of the first four states NPTS."""
+    return any(
+        "NPTS" in line.upper() and not line.lstrip().startswith("#")
+        for line in lines[:HEADER_LINES]
+    )
 
 
 def channels_of_accelerogram(path: str) -> list[Channel]:
@@ -33,5 +45,6 @@ def channels_of_accelerogram(path: str) -> list[Channel]:
             load=values.copy,
             clock=partial(np.array, record.times),
             is_si=True,
+            is_ground=True,
         )
     ]

@@ -44,6 +44,12 @@ class Channel:
         Returns the instants in s, shape (length,), of a channel that has its own.
     is_si : bool
         The reader has turned the numbers into SI units already.
+    is_ground : bool
+        The file is an accelerogram: it holds the motion of the ground.
+    is_main : bool
+        It is meant if none is named and no other one is main.
+    is_fraction : bool
+        The numbers are fractions of full scale, which the file does not state.
     """
 
     name: str
@@ -54,13 +60,27 @@ class Channel:
     load: Callable[[], NDArray[np.float64]]
     clock: Callable[[], NDArray[np.float64]] | None = None
     is_si: bool = False
+    is_ground: bool = False
+    is_main: bool = False
+    is_fraction: bool = False
 
     @property
     def is_time(self) -> bool:
         """Whether it holds instants, by its unit or, without one, by its name."""
-        if self.unit is not None:
-            return self.unit.quantity == "time"
-        return not self.stated and self.name.rpartition(".")[2].casefold() in CLOCKS
+        return is_clock(self.name, self.stated, self.unit)
+
+
+def is_clock(name: str, stated: str, unit: Unit | None) -> bool:
+    """Return whether a channel holds instants, by its unit or, without one, by its name.
+
+    Examples
+    --------
+    >>> is_clock("rig.Time", "", None), is_clock("Time", "V", None)
+    (True, False)
+    """
+    if unit is not None:
+        return unit.quantity == "time"
+    return not stated and name.rpartition(".")[2].casefold() in CLOCKS
 
 
 def listed(channels: Sequence[Channel]) -> str:
@@ -135,7 +155,7 @@ def struct_of(channel: Channel) -> str:
 
 
 def measured(column: object, channels: Sequence[Channel]) -> Channel:
-    """Return the channel of the sensor: the one that is named, or the only one there is.
+    """Return the channel of the sensor: the one that is named, else the only one or the main one.
 
     Raises
     ------
@@ -148,6 +168,7 @@ def measured(column: object, channels: Sequence[Channel]) -> Channel:
             raise ValueError(f"column = {shown(column)}: this column holds the time, not a motion")
         return channel
     sensors = [channel for channel in channels if not channel.is_time]
+    sensors = [channel for channel in sensors if channel.is_main] or sensors
     if len(sensors) != 1:
         raise ValueError(f"column = None: name one column; there is {listed(channels)}")
     return sensors[0]

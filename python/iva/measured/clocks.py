@@ -47,6 +47,11 @@ def rate(sampling_hz: object) -> float | None:
     return value
 
 
+def evenly(begin: float, step: float, count: int) -> NDArray[np.float64]:
+    """Return instants at equal steps in s, shape (count,)."""
+    return begin + step * np.arange(count, dtype=np.float64)
+
+
 def uniform(
     times: NDArray[np.float64], sampling_hz: float | None
 ) -> tuple[NDArray[np.float64], float]:

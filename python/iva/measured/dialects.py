@@ -73,6 +73,31 @@ class Dialect:
         pattern = COMMA if self.decimal == "," else POINT
         return pattern.fullmatch(cell) is not None or cell.casefold() in MISSING
 
+    def value(self, place: str, cell: str) -> float:
+        """Return the number of a cell, NaN if it says that it is missing.
+
+        Parameters
+        ----------
+        place : str
+            File and line for messages.
+        cell : str
+            The text of the cell.
+
+        Raises
+        ------
+        ValueError
+            If it is not a number.
+        """
+        if not self.is_number(cell):
+            raise ValueError(
+                f"{place}: {cell[:40]!r} is not a number; give numbers such as "
+                f"-0{self.decimal}5e-3, with the same decimal mark in all lines"
+            )
+        if cell.casefold() in MISSING:
+            return float("nan")
+        # Fortran writes 1.5D-3.
+        return float(cell.replace(self.decimal, ".").replace("D", "E").replace("d", "e"))
+
 
 #: In the order in which equally good ones are taken.
 DIALECTS = [

@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
 from iva import _iva
 from iva.faults import fault
 from iva.forces import file_name
-from iva.measured.accelerograms import channels_of_accelerogram
+from iva.measured.accelerograms import channels_of_accelerogram, is_accelerogram
 from iva.measured.channels import Channel
+from iva.measured.labview_text import channels_of_labview_text, is_labview_text
 from iva.measured.mat_files import channels_of_mat
-from iva.measured.text_files import channels_of_text
+from iva.measured.number_series import series_in
+from iva.measured.plain_text import channels_of_points, channels_of_stepped, is_plain, is_stepped
+from iva.measured.strong_motion import channels_of_strong_motion, is_strong_motion
+from iva.measured.tdms_files import channels_of_tdms
+from iva.measured.text_files import channels_of_text, lines_of
 from iva.measured.universal_files import channels_of_universal
+from iva.measured.wave_files import channels_of_wave
 
 #: Largest size of a file in bytes; an hour at 10 kHz takes about as much as text.
 MOST_BYTES = 1 << 30
 
-#: Readers of the contents of a file, and of one that another library opens, by the end of its name.
+#: Ends of the names of texts, whose content tells what they are.
+TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".v2", ".v2c")
+
+#: Readers of the contents of other files, and of those that another library opens.
 READERS: dict[str, Callable[[str, bytes], list[Channel]]] = {
-    ".csv": channels_of_text,
-    ".txt": channels_of_text,
-    ".tsv": channels_of_text,
-    ".dat": channels_of_text,
-    ".asc": channels_of_text,
     ".mat": channels_of_mat,
+    ".tdms": channels_of_tdms,
+    ".wav": channels_of_wave,
 }
 OPENERS: dict[str, Callable[[str], list[Channel]]] = {
     ".at2": channels_of_accelerogram,
@@ -34,8 +40,16 @@ OPENERS: dict[str, Callable[[str], list[Channel]]] = {
 }
 
 
-def channels_of(path: object) -> tuple[str, list[Channel]]:
+def channels_of(path: object, *, of_force: bool = False) -> tuple[str, list[Channel]]:
     """Return the name of a file, and its channels.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    of_force : bool, default False
+        It is one of a recorded force, whose name may end otherwise: text of two columns is read by
+        the reader of studies, which names line and column of what it refuses.
 
     Raises
     ------
@@ -50,13 +64,40 @@ def channels_of(path: object) -> tuple[str, list[Channel]]:
     """
     name = file_name(path)
     ending = Path(name).suffix.lower()
-    if ending not in READERS and ending not in OPENERS:
-        known = ", ".join((*READERS, *OPENERS))
-        raise ValueError(f"path = {name!r}: give a file whose name ends with one of {known}")
+    known = (*TEXTS, *READERS, *OPENERS)
+    if ending not in known and not of_force:
+        raise ValueError(
+            f"path = {name!r}: give a file whose name ends with one of {', '.join(known)}"
+        )
     check(name)
     if ending in OPENERS:
         return name, OPENERS[ending](name)
-    return name, READERS[ending](_iva.visible(name), contents_of(name))
+    contents = contents_of(name)
+    if ending in READERS:
+        return name, READERS[ending](_iva.visible(name), contents)
+    lines = lines_of(_iva.visible(name), contents)
+    channels = channels_of_points(name, lines) if of_force and is_plain(contents) else None
+    return name, channels or channels_in_text(name, lines)
+
+
+def channels_in_text(name: str, lines: Sequence[str]) -> list[Channel]:
+    """Return the channels of a text, whose lines tell what it is whatever its name is.
+
+    Raises
+    ------
+    ValueError
+        If something in it cannot be used.
+    """
+    if is_accelerogram(lines):
+        return channels_of_accelerogram(name)
+    shown = _iva.visible(name)
+    if is_strong_motion(lines):
+        return channels_of_strong_motion(shown, lines)
+    if is_labview_text(lines):
+        return channels_of_labview_text(shown, lines)
+    if is_stepped(lines):
+        return channels_of_stepped(name, lines)
+    return series_in(shown, lines) or channels_of_text(shown, lines)
 
 
 def contents_of(name: str) -> bytes:
@@ -93,6 +134,6 @@ def check(name: str) -> None:
     if S_ISDIR(state.st_mode):
         raise fault(f"{name} cannot be read: it is a folder; give a file")
     if not S_ISREG(state.st_mode):
-        raise fault(f"{name} cannot be read: it is no regular file")
+        raise fault(f"{name} cannot be read: it is no regular file; give a regular file")
     if state.st_size > MOST_BYTES:
         raise fault(f"{name} cannot be read: it is larger than 1 GiB")

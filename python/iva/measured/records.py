@@ -14,7 +14,7 @@ from iva.measured.channels import Channel, measured, timed
 from iva.measured.clocks import cut, rate, uniform
 from iva.measured.files import channels_of
 from iva.measured.soundness import check_values
-from iva.measured.stated import SI, quantity_of, sign_of, unit_for
+from iva.measured.stated import SI, quantity_of, scale_of, sign_of, unit_for
 from iva.parameters import shown
 from iva.spelling import spell_checked
 
@@ -136,6 +136,7 @@ class Measured:
         *,
         time: str | int | None = None,
         unit: str | None = None,
+        scale: float | None = None,
         quantity: Quantity | None = None,
         sampling_hz: float | None = None,
         direction: int = 1,
@@ -149,9 +150,11 @@ class Measured:
         path : path-like
             Text with columns (``.csv``, ``.txt``, ``.tsv``, ``.dat``, ``.asc``; divided by commas,
             semicolons, tabs or blanks, with decimal point or comma, a preamble, comments after
-            ``#``, ``%`` or ``//``), a MAT file up to version 7 (``.mat``; needs SciPy), a universal
-            file (``.uff``, ``.unv``, datasets 58; needs pyuff), or an accelerogram of PEER
-            (``.at2``).
+            ``#``, ``%`` or ``//``), an accelerogram of PEER (``.at2``), of CSMIP or in the COSMOS
+            format (``.v2``, ``.v2c``), a file of LabVIEW (``.lvm``, or ``.tdms``, which needs
+            npTDMS), a MAT file up to version 7 (``.mat``; needs SciPy), a universal file (``.uff``,
+            ``.unv``, datasets 58; needs pyuff), or ``.wav``. Text is what its content says,
+            whichever of the ends of texts its name has. The page on the study file has a table.
         column : str or int, optional
             The channel: its name with or without its unit, or its index from 0 among all columns.
             It may be left out if only one does not hold the time.
@@ -161,6 +164,9 @@ class Measured:
         unit : str, optional
             Unit of the values, such as ``"g"``, ``"mm/s"``; by default the one that the file
             states. If the file states another one, that is refused.
+        scale : float, optional
+            Factor on the numbers of the file, which then are in `unit`; 1 by default. Of a ``.wav``
+            file it must be given: what full scale is in `unit`.
         quantity : {"acceleration", "velocity", "displacement"}, optional
             What was measured. It follows from the unit, and must agree with it.
         sampling_hz : float, optional
@@ -197,8 +203,11 @@ class Measured:
         sensor = unit_for(channel, source, unit, quantity)
         times, own_rate = instants(channel, timed(time, channels, channel), hz, source)
         kept = cut(times, begin, end)
-        factor = sign if channel.is_si else sign * sensor.factor
-        values = channel.load()[kept] * factor
+        factor = sign * scale_of(channel, source, scale)
+        if not channel.is_si:
+            factor *= sensor.factor
+        with np.errstate(over="ignore"):  # what is too large then is refused
+            values = channel.load()[kept] * factor
         words = (sensor.quantity, channel.name, source, sensor.text)
         if own_rate is not None:
             return cls._made(times[kept], own_rate, values, words)

@@ -34,6 +34,8 @@ GRAVITIES = {
     "mg": STANDARD_GRAVITY * 1e-3,
     "ug": STANDARD_GRAVITY * 1e-6,
     "Gal": 1e-2,
+    "gal": 1e-2,
+    "N/kg": 1.0,
 }
 
 #: Seconds in a unit of time.
@@ -85,6 +87,10 @@ class Unit:
     text: str
     quantity: str
     factor: float
+
+    def is_same(self, other: Unit) -> bool:
+        """Return whether two spellings mean one unit."""
+        return (self.quantity, self.factor) == (other.quantity, other.factor)
 
 
 def unit_of(text: str) -> Unit | None:

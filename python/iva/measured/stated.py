@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from iva.measured.channels import Channel
@@ -54,6 +55,29 @@ def sign_of(direction: object) -> float:
     return sign
 
 
+def scale_of(channel: Channel, source: str, scale: object) -> float:
+    """Return the factor on the numbers of a channel, 1 if none is given.
+
+    Raises
+    ------
+    TypeError
+        If it is not a number.
+    ValueError
+        If it is 0 or not finite, or needed and not given.
+    """
+    if scale is None:
+        if channel.is_fraction:
+            raise ValueError(
+                f"scale = None: {Path(source).name} holds fractions of full scale; give scale, "
+                "which is full scale in the unit of the values"
+            )
+        return 1.0
+    factor = number("scale", scale)
+    if factor == 0.0 or not math.isfinite(factor):
+        raise ValueError(f"scale = {shown(scale)}: give a finite number other than 0")
+    return factor
+
+
 def unit_for(channel: Channel, source: str, given: object, quantity: str | None) -> Unit:
     """Return the unit of a channel: the one that the file states, or the one given.
 
@@ -73,7 +97,7 @@ def unit_for(channel: Channel, source: str, given: object, quantity: str | None)
         unit = unit_of(given)
         if unit is None or unit.quantity not in SI:
             raise ValueError(f"unit = {given!r}: give a unit of a motion, such as {COMMON}")
-        if stated and (stated.quantity, stated.factor) != (unit.quantity, unit.factor):
+        if stated and not unit.is_same(stated):
             raise ValueError(
                 f"unit = {given!r}: the file says that {channel.name!r} is in {stated.text}; leave "
                 "unit out, or correct the file"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from iva.measured.channels import Channel
-from iva.measured.dialects import MISSING, Layout, is_comment, layouts
+from iva.measured.dialects import Layout, is_comment, layouts
 from iva.measured.headers import is_telling, names_and_units
 from iva.measured.sensor_units import parted, unit_of
 
@@ -24,23 +24,33 @@ MARKS = {
 }
 
 
-def channels_of_text(path: str, contents: bytes) -> list[Channel]:
+def lines_of(path: str, contents: bytes) -> list[str]:
+    """Return the lines of a text in UTF-8, UTF-16 with its mark, or latin-1.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    # Not splitlines: it takes some letters of latin-1 for ends of lines.
+    return re.split(r"\r\n|\r|\n", decoded(path, contents))
+
+
+def channels_of_text(path: str, lines: Sequence[str]) -> list[Channel]:
     """Return the columns of a text.
 
     Parameters
     ----------
     path : str
         Name for messages.
-    contents : bytes
-        UTF-8, UTF-16 with its mark, or latin-1.
+    lines : sequence of str
+        All of the file.
 
     Raises
     ------
     ValueError
         If there are no columns of numbers, or a line among them is none; the message names it.
     """
-    # Not splitlines: it takes some letters of latin-1 for ends of lines.
-    lines = re.split(r"\r\n|\r|\n", decoded(path, contents))
     filled = [(number, line) for number, line in enumerate(lines, 1) if not is_comment(line)]
     fitting = layouts([line for _, line in filled])
     if not fitting:
@@ -179,24 +189,5 @@ class Block:
                     f"{self.path}:{number}: this line has {len(cells)} columns, those before it "
                     f"have {count}; give as many in each"
                 )
-            values[place] = self.value(number, cells[index])
+            values[place] = dialect.value(f"{self.path}:{number}", cells[index])
         return values
-
-    def value(self, number: int, cell: str) -> float:
-        """Return the value of a cell.
-
-        Raises
-        ------
-        ValueError
-            If it is not a number.
-        """
-        dialect = self.layout.dialect
-        if not dialect.is_number(cell):
-            raise ValueError(
-                f"{self.path}:{number}: {cell[:40]!r} is not a number; give numbers such as "
-                f"-0{dialect.decimal}5e-3, with the same decimal mark in all lines"
-            )
-        if cell.casefold() in MISSING:
-            return float("nan")
-        # Fortran writes 1.5D-3.
-        return float(cell.replace(dialect.decimal, ".").replace("D", "E").replace("d", "e"))

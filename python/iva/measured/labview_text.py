@@ -1,0 +1,162 @@
+"""LabVIEW measurement files (.lvm): names, units and the step stand in their heads.
+
+By National Instruments' specification of the format a head is made of tags with their values,
+divided by a separator, up to a line ``***End_of_Header***``. The head of the file is followed by
+segments, each with a head, a line of names and the numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from iva.measured.channels import Channel
+from iva.measured.clocks import evenly
+from iva.measured.dialects import POINT, Dialect
+from iva.measured.fortran_blocks import decimal
+from iva.measured.sensor_units import parted, unit_of
+
+#: What the first line begins with, and what ends a head.
+MARK, END = "LabVIEW Measurement", "***End_of_Header***"
+
+#: Tags of the head of a file.
+SEPARATOR, DECIMAL = "Separator", "Decimal_Separator"
+
+#: The columns of the abscissa and of remarks.
+ABSCISSA, REMARKS = "X_Value", "Comment"
+
+
+def is_labview_text(lines: Sequence[str]) -> bool:
+    """Return whether lines are those of an LVM file."""
+    return bool(lines) and lines[0].startswith(MARK)
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A segment of an LVM file.
+
+    Parameters
+    ----------
+    path : str
+        Name of the file for messages.
+    lines : sequence of str
+        All of the file.
+    first : int
+        Index of the first line of numbers.
+    dialect : Dialect
+        How lines are divided.
+    tags : dict of str to list of str
+        The head: the values of each tag, one for each channel.
+    """
+
+    path: str
+    lines: Sequence[str]
+    first: int
+    dialect: Dialect
+    tags: dict[str, list[str]]
+
+    def tag(self, name: str, index: int) -> str:
+        """Return the value of a tag for a channel, '' if there is none."""
+        values = self.tags.get(name, [])
+        return values[index] if index < len(values) else ""
+
+    def number(self, name: str, index: int) -> float:
+        """Return the value of a tag for a channel as a number.
+
+        Raises
+        ------
+        ValueError
+            If it is none.
+        """
+        text = self.tag(name, index)
+        value = (
+            decimal(point)
+            if POINT.fullmatch(point := text.replace(self.dialect.decimal, "."))
+            else math.nan
+        )
+        if not math.isfinite(value):
+            raise ValueError(f"{self.path}: {name} = {text!r} of channel {index}: give a number")
+        return value
+
+    def values(self, column: int, count: int) -> NDArray[np.float64]:
+        """Return the numbers of a column, shape (count,).
+
+        Raises
+        ------
+        ValueError
+            If there are fewer, or a cell is not a number.
+        """
+        if self.first + count > len(self.lines):
+            raise ValueError(f"{self.path}: it ends within the {count} samples that it states")
+        values = np.empty(count)
+        for place in range(count):
+            cells = self.dialect.cells(self.lines[self.first + place])
+            cell = cells[column] if column < len(cells) else ""
+            values[place] = self.dialect.value(f"{self.path}:{self.first + place + 1}", cell)
+        return values
+
+    def channel(self, index: int, column: int, name: str) -> Channel:
+        """Return a channel: the one with some index, whose numbers stand in some column.
+
+        Raises
+        ------
+        ValueError
+            If its abscissa is not the time, or a number of the head cannot be used.
+        """
+        if self.tag("X_Dimension", index) not in ("", "Time"):
+            dimension = self.tag("X_Dimension", index)
+            raise ValueError(
+                f"{self.path}: X_Dimension = {dimension!r} of {name!r}: give a record over Time"
+            )
+        count = max(int(self.number("Samples", index)), 0)
+        begin, step = self.number("X0", index), self.number("Delta_X", index)
+        label = self.tag("Y_Unit_Label", index)
+        stated = label if unit_of(label) else parted(name)[1] or label
+        return Channel(
+            name=name,
+            also=(parted(name)[0],),
+            unit=unit_of(stated) if stated else None,
+            stated=stated,
+            length=count,
+            load=partial(self.values, column, count),
+            clock=partial(evenly, begin, step, count),
+        )
+
+
+def channels_of_labview_text(path: str, lines: Sequence[str]) -> list[Channel]:
+    """Return the channels of an LVM file with one segment.
+
+    Raises
+    ------
+    ValueError
+        If it has several segments or none with a head, or something in it cannot be used.
+    """
+    ends = [at for at, line in enumerate(lines) if line.startswith(END)]
+    if len(ends) != 2 or ends[1] + 1 >= len(lines):
+        raise ValueError(
+            f"{path}: an LVM file with {max(len(ends) - 1, 0)} segments that have a head; save it "
+            "with one"
+        )
+    said = [line for line in lines[: ends[0]] if line.startswith(SEPARATOR)]
+    delimiter = said[0][len(SEPARATOR) : len(SEPARATOR) + 1] if said else "\t"
+    head = tags_of(lines[: ends[0]], delimiter)
+    dialect = Dialect(delimiter, head[DECIMAL][0] if DECIMAL in head else ".")
+    segment = Segment(
+        path, lines, ends[1] + 2, dialect, tags_of(lines[ends[0] + 1 : ends[1]], delimiter)
+    )
+    names = list(enumerate(dialect.cells(lines[ends[1] + 1])))
+    sensors = [one for one in names if one[1] not in (ABSCISSA, REMARKS, "")]
+    if not sensors:
+        raise ValueError(f"{path}: an LVM file without names of channels; save it anew")
+    return [segment.channel(index, column, name) for index, (column, name) in enumerate(sensors)]
+
+
+def tags_of(lines: Sequence[str], delimiter: str) -> dict[str, list[str]]:
+    """Return the tags of a head with their values."""
+    rows = [[cell.strip() for cell in line.split(delimiter)] for line in lines]
+    return {row[0]: row[1:] for row in rows if row[0] and len(row) > 1}
