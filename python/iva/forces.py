@@ -170,24 +170,50 @@ class Recorded:
         path: str | PathLike[str],
         kind: Literal["force", "force_newtons", "base_acceleration"] | None = None,
         *,
-        scale: float = 1.0,
+        scale: float | None = None,
+        column: str | int | None = None,
+        time: str | int | None = None,
+        unit: str | None = None,
+        sampling_hz: float | None = None,
     ) -> Recorded:
         """Read a record from a file.
+
+        Times and values are turned into SI units where the file or `unit` says what they are in;
+        else they are in those of the scene.
 
         Parameters
         ----------
         path : path-like
-            Two columns (time and value), or ``dt = …`` and values, or a PEER AT2 file, which is
-            converted from g to m/s². The page on the study file describes the formats.
+            Text of two columns (time and value), ``dt = …`` and values, an accelerogram, or another
+            file that :meth:`iva.Measured.read` takes. The page on the study file has a table.
         kind : {"force", "force_newtons", "base_acceleration"}, optional
-            What the values are; of an AT2 file ``"base_acceleration"``, else ``"force"``.
-        scale : float, default 1
-            Factor on the values.
+            What the values are. By default ``"base_acceleration"`` of an accelerogram (AT2, CSMIP,
+            COSMOS), ``"force_newtons"`` of values in N or kN, else ``"force"``.
+        scale : float, optional
+            Factor on the values, 1 by default. Of a ``.wav`` file it must be given: what full scale
+            is in `unit`.
+        column : str or int, optional
+            The channel: its name with or without its unit, or its index from 0. It may be left out
+            if only one does not hold the time, or in an accelerogram.
+        time : str or int, optional
+            The column of the time, by default the one that has a unit of time or is called time, or
+            the first of two.
+        unit : str, optional
+            Unit of the values, such as ``"g"`` or ``"kN"``; ``"1"`` for that of the scene. It must
+            be given if the file states none and accelerations may be in g or mm/s² by their size:
+            those of the base, or in a column that is called so, of up to 2 or beyond 50.
+        sampling_hz : float, optional
+            Sampling rate in Hz of a file without times, which then begin at 0.
 
         Raises
         ------
+        TypeError
+            If an argument is of the wrong type.
         ValueError
-            If something in the file cannot be used; the message names file, line and column.
+            If something in the file cannot be used, a unit is missing, unknown or not that of the
+            file, or the kind does not go with it; the message names the line where there is one.
+        ImportError
+            If the package is missing that reads the file.
         iva.IvaError
             If the file cannot be read.
 
@@ -200,8 +226,13 @@ class Recorded:
         name = file_name(path)
         if kind is not None and not isinstance(kind, str):
             raise TypeError(f"kind = {shown(kind)}: give a word")
+        from iva.measured.driving import record_of  # with NumPy, which a scene does not need
+
         record = cls.__new__(cls)
-        record._hold(_iva.read_record(name, kind), scale)
+        points = record_of(
+            name, kind, column=column, time=time, unit=unit, scale=scale, sampling_hz=sampling_hz
+        )
+        record._hold(points, 1.0 if scale is None else scale)
         return record
 
     @classmethod
