@@ -35,7 +35,9 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(iva.IvaError, match=r"pipe.csv cannot be read: it is no regular file; give a regular f"):
+    with pytest.raises(
+        iva.IvaError, match=r"pipe.csv cannot be read: it is no regular file; give a reg"
+    ):
         Measured.read(tmp_path / "pipe.csv")
 
 
