@@ -28,10 +28,13 @@ def parser() -> Parser:
         epilog="Example: iva identify decay.csv --column a1 --unit g --out results/decay, then "
         "iva run results/decay/model.toml. Exit code 0 also for a model that is not adequate.",
     )
-    made.add_argument("record", metavar="RECORD", help="CSV, text, .mat, .uff or .at2")
+    made.add_argument("record", metavar="RECORD", help="text, .at2, .v2, .lvm, .mat, .uff, .wav …")
     made.add_argument("--column", metavar="NAME", help="column, by its name or its number from 0")
     made.add_argument("--time", metavar="NAME", help="column of the time, where none is known")
     made.add_argument("--unit", metavar="UNIT", help="its unit, where the file states none")
+    made.add_argument(
+        "--scale", metavar="X", type=float, help="factor on its numbers, needed for .wav"
+    )
     made.add_argument(
         "--sampling-hz", metavar="HZ", type=float, help="rate, where no time is there"
     )
@@ -65,6 +68,7 @@ def found(arguments: Sequence[str]) -> tuple[Fit, Path]:
         column,
         time=time,
         unit=asked.unit,
+        scale=asked.scale,
         sampling_hz=asked.sampling_hz,
         begin=asked.begin,
         end=asked.end,

@@ -1,6 +1,8 @@
 """Measured records of a structure's motion, from files of recorders or from arrays.
 
-:meth:`Measured.read` reads text in its many dialects, MAT files, universal files and accelerograms.
+:meth:`Measured.read` reads text in its many dialects, accelerograms, MAT files, universal files and
+those of LabVIEW; :meth:`iva.Recorded.read` reads the same files by the same readers.
+
 A record is what the sensor showed, in SI units and at equal steps: offset, drift and hum stay in
 it. Nothing is guessed: a unit that neither file nor caller states, steps that differ, and values
 that are missing are refused.
