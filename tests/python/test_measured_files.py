@@ -203,6 +203,10 @@ def test_universal_files(tmp_path: Path, binary: int, unit: str, factor: float) 
     assert record.values.tolist() == [value * factor for value in VALUES]
     assert record.sampling_hz == 100.0
     assert (record.unit, record.quantity, record.name) == (unit, "acceleration", "floor 3")
+    same = Measured.read(path.rename(tmp_path / "decay.txt"))
+    assert same.values.tolist() == record.values.tolist()
+    quake = iva.Recorded.read(tmp_path / "decay.txt", "base_acceleration")
+    assert quake.values.tolist() == record.values.tolist()
 
 
 @pyuff_leaves_files_open

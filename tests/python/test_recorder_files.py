@@ -14,12 +14,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+import scipy.io
 from hypothesis import given
 from hypothesis import strategies as st
 
 import iva
 from iva.measured import Measured
-from recordings import VALUES, written
+from recordings import TIMES, VALUES, written
 
 G = 9.80665
 
@@ -68,9 +69,17 @@ def test_labview_text(tmp_path: Path, separator: str, decimal: str, name: str) -
 def test_a_column_of_the_abscissa_in_labview_text(tmp_path: Path) -> None:
     lines = labview("\t", ".").splitlines()
     first = lines.index("X_Value\ta1\tload\tComment") + 1
-    lines[first:] = [f"{k / 100 + 2}{line}\t" for k, line in enumerate(lines[first:])]
-    record = Measured.read(written(tmp_path, "\n".join(lines), "run.lvm"), "a1")
+    head, cells = lines[:first], lines[first:]
+    # The column is rounded to two digits behind the point; X0 and Delta_X are not.
+    text = "\n".join([*head, *(f"{k / 100 + 2:.2f}{line}\t" for k, line in enumerate(cells))])
+    record = Measured.read(written(tmp_path, text, "run.lvm"), "a1")
     assert record.values.tolist() == [value * G for value in VALUES]
+    assert record.time.tolist() == [2.0 + k / 100 for k in range(40)]
+    text = "\n".join([*head, *(f"{k / 50 + 2}{line}\t" for k, line in enumerate(cells))])
+    with pytest.raises(
+        ValueError, match=r"X_Value of channel 0 is up to 0.39 s away from X0 and De"
+    ):
+        Measured.read(written(tmp_path, text, "run.lvm"), "a1")
 
 
 @pytest.mark.parametrize(
@@ -208,6 +217,14 @@ def test_tdms_files(tmp_path: Path) -> None:
     assert iva.Recorded.read(path, column="a1").values.tolist() == record.values.tolist()
     with pytest.raises(ValueError, match=r"bad.tdms: a damaged TDMS file \(.*\); save it anew$"):
         Measured.read(written(tmp_path, b"nothing of the kind" * 20, "bad.tdms"))
+
+
+def test_recorders_by_another_ending(tmp_path: Path) -> None:
+    wave = written(tmp_path, riff(1, 16, struct.pack("<40h", *WHOLE)), "run.dat")
+    assert len(Measured.read(wave, unit="g", scale=1.0)) == 40
+    scipy.io.savemat(tmp_path / "run.mat", {"t": TIMES, "a_g": VALUES})
+    matlab = written(tmp_path, (tmp_path / "run.mat").read_bytes(), "run.txt")
+    assert Measured.read(matlab).values.tolist() == [value * G for value in VALUES]
 
 
 def test_without_nptdms(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

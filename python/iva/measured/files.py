@@ -18,7 +18,7 @@ from iva.measured.plain_text import channels_of_points, channels_of_stepped, is_
 from iva.measured.strong_motion import channels_of_strong_motion, is_strong_motion
 from iva.measured.tdms_files import channels_of_tdms
 from iva.measured.text_files import channels_of_text, lines_of
-from iva.measured.universal_files import channels_of_universal
+from iva.measured.universal_files import channels_of_universal, is_universal
 from iva.measured.wave_files import channels_of_wave
 
 #: Largest size of a file in bytes; an hour at 10 kHz takes about as much as text.
@@ -27,12 +27,21 @@ MOST_BYTES = 1 << 30
 #: Ends of the names of texts, whose content tells what they are.
 TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".v2", ".v2c")
 
-#: Readers of the contents of other files, and of those that another library opens.
+#: Readers of the contents of other files by the ends of their names.
 READERS: dict[str, Callable[[str, bytes], list[Channel]]] = {
     ".mat": channels_of_mat,
     ".tdms": channels_of_tdms,
     ".wav": channels_of_wave,
 }
+
+#: The same by what such files begin with, whatever their names are.
+MARKS: dict[bytes, Callable[[str, bytes], list[Channel]]] = {
+    b"MATLAB 5.0 MAT-file": channels_of_mat,
+    b"TDSm": channels_of_tdms,
+    b"RIFF": channels_of_wave,
+}
+
+#: Readers of files that another library opens.
 OPENERS: dict[str, Callable[[str], list[Channel]]] = {
     ".at2": channels_of_accelerogram,
     ".uff": channels_of_universal,
@@ -73,8 +82,11 @@ def channels_of(path: object, *, of_force: bool = False) -> tuple[str, list[Chan
     if ending in OPENERS:
         return name, OPENERS[ending](name)
     contents = contents_of(name)
-    if ending in READERS:
-        return name, READERS[ending](_iva.visible(name), contents)
+    marked = (MARKS[mark] for mark in MARKS if contents.startswith(mark))
+    if reader := READERS.get(ending) or next(marked, None):
+        return name, reader(_iva.visible(name), contents)
+    if is_universal(contents):
+        return name, channels_of_universal(name)
     lines = lines_of(_iva.visible(name), contents)
     channels = channels_of_points(name, lines) if of_force and is_plain(contents) else None
     return name, channels or channels_in_text(name, lines)

@@ -30,6 +30,9 @@ SEPARATOR, DECIMAL = "Separator", "Decimal_Separator"
 #: The columns of the abscissa and of remarks.
 ABSCISSA, REMARKS = "X_Value", "Comment"
 
+#: What six digits round a number by, over the number.
+ROUNDED = 1e-5
+
 
 def is_labview_text(lines: Sequence[str]) -> bool:
     """Return whether lines are those of an LVM file."""
@@ -95,12 +98,36 @@ class Segment:
             raise ValueError(f"{self.path}: it ends within the {count} samples that it states")
         values = np.empty(count)
         for place in range(count):
-            cells = self.dialect.cells(self.lines[self.first + place])
-            cell = cells[column] if column < len(cells) else ""
-            values[place] = self.dialect.value(f"{self.path}:{self.first + place + 1}", cell)
+            where = f"{self.path}:{self.first + place + 1}"
+            values[place] = self.dialect.value(where, self.cell(place, column))
         return values
 
-    def channel(self, index: int, column: int, name: str) -> Channel:
+    def cell(self, place: int, column: int) -> str:
+        """Return a cell of the numbers, '' if its line has fewer."""
+        cells = self.dialect.cells(self.lines[self.first + place])
+        return cells[column] if column < len(cells) else ""
+
+    def times(self, index: int, abscissa: int, count: int) -> NDArray[np.float64]:
+        """Return the instants of a channel in s, shape (count,): those of its head.
+
+        Raises
+        ------
+        ValueError
+            If the column of the abscissa has others, beyond what six digits round them by.
+        """
+        step = self.number("Delta_X", index)
+        times = evenly(self.number("X0", index), step, count)
+        if self.first >= len(self.lines) or not self.cell(0, abscissa):
+            return times
+        away = np.abs(self.values(abscissa, count) - times)
+        if not (away <= 0.5 * abs(step) + ROUNDED * np.abs(times)).all():
+            raise ValueError(
+                f"{self.path}: X_Value of channel {index} is up to {away.max():.4g} s away from X0 "
+                "and Delta_X; save it as text with a column of time"
+            )
+        return times
+
+    def channel(self, index: int, column: int, abscissa: int, name: str) -> Channel:
         """Return a channel: the one with some index, whose numbers stand in some column.
 
         Raises
@@ -114,7 +141,6 @@ class Segment:
                 f"{self.path}: X_Dimension = {dimension!r} of {name!r}: give a record over Time"
             )
         count = max(int(self.number("Samples", index)), 0)
-        begin, step = self.number("X0", index), self.number("Delta_X", index)
         label = self.tag("Y_Unit_Label", index)
         stated = label if unit_of(label) else parted(name)[1] or label
         return Channel(
@@ -124,7 +150,7 @@ class Segment:
             stated=stated,
             length=count,
             load=partial(self.values, column, count),
-            clock=partial(evenly, begin, step, count),
+            clock=partial(self.times, index, abscissa, count),
         )
 
 
@@ -149,11 +175,16 @@ def channels_of_labview_text(path: str, lines: Sequence[str]) -> list[Channel]:
     segment = Segment(
         path, lines, ends[1] + 2, dialect, tags_of(lines[ends[0] + 1 : ends[1]], delimiter)
     )
-    names = list(enumerate(dialect.cells(lines[ends[1] + 1])))
-    sensors = [one for one in names if one[1] not in (ABSCISSA, REMARKS, "")]
-    if not sensors:
+    channels: list[Channel] = []
+    abscissa = 0
+    for column, name in enumerate(dialect.cells(lines[ends[1] + 1])):
+        if name == ABSCISSA:
+            abscissa = column  # of the channels behind it
+        elif name not in (REMARKS, ""):
+            channels.append(segment.channel(len(channels), column, abscissa, name))
+    if not channels:
         raise ValueError(f"{path}: an LVM file without names of channels; save it anew")
-    return [segment.channel(index, column, name) for index, (column, name) in enumerate(sensors)]
+    return channels
 
 
 def tags_of(lines: Sequence[str], delimiter: str) -> dict[str, list[str]]:

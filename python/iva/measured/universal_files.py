@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Collection
 from functools import partial
@@ -28,6 +29,15 @@ EMPTY = {"", "NONE"}
 
 #: Directions of a degree of freedom by their codes.
 AXES = {1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z"}
+
+
+#: The first two lines of a file: a mark, and the number of a dataset.
+BEGIN = re.compile(rb"\s*-1\s*?\r?\n\s*\d{1,4}b?\s")
+
+
+def is_universal(contents: bytes) -> bool:
+    """Return whether a file begins as a universal file does."""
+    return BEGIN.match(contents) is not None
 
 
 def channels_of_universal(path: str) -> list[Channel]:
