@@ -209,6 +209,12 @@ def test_universal_files(tmp_path: Path, binary: int, unit: str, factor: float) 
     assert quake.values.tolist() == record.values.tolist()
 
 
+def test_a_column_that_begins_with_the_mark_of_universal_files(tmp_path: Path) -> None:
+    values = [-1.0, 58.0, *map(float, range(30))]
+    path = written(tmp_path, "".join(f"{value:.0f}\n" for value in values))
+    assert Measured.read(path, unit="m", sampling_hz=100).values.tolist() == values
+
+
 @pyuff_leaves_files_open
 def test_channels_of_a_universal_file(tmp_path: Path) -> None:
     other = dataset(

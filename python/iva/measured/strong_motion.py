@@ -24,7 +24,7 @@ from iva.measured.sensor_units import unit_of
 #: "  800 points of accel data equally spaced at  .005 sec, in cm/sec2. (8f10.6)".
 CSMIP = re.compile(
     r"\s*(?P<count>\d{1,9})\s+points of (?P<what>accel|veloc|displ)\w*\s+data\s+equally spaced at"
-    r"\s*(?P<step>[\d.]{1,20})\s*sec\.?,?\s*(?:in\s+(?P<unit>[^\s(]+))?.*",
+    r"\s*(?P<step>[\d.]{1,20})\s*sec\.?,?\s*(?:(?:in|\(?units?:)\s+(?P<unit>[^\s()]+))?.*",
     re.IGNORECASE,
 )
 #: "  800 acceleration pts, approx 4 secs, units=cm/sec2 (04), Format=(8F10.5)".
@@ -44,6 +44,9 @@ RAW = re.compile(r"\s*(?:uncorrected|raw) accel", re.IGNORECASE)
 
 #: Places of the step in ms among the real numbers of a COSMOS header, the better one first.
 STEPS = (61, 33)
+
+#: The format of volume 2 of CSMIP where the line does not state it.
+VOLUME_2 = Format(8, 10)
 
 #: What a block holds.
 QUANTITIES = {"accel": "acceleration", "veloc": "velocity", "displ": "displacement"}
@@ -151,8 +154,9 @@ def blocks(path: str, lines: Sequence[str]) -> Iterator[tuple[str, str, str, Blo
             reals = numbers_of(path, lines, at, int(found["count"]), form)
             at += form.lines(len(reals))
         elif found := CSMIP.fullmatch(line) or COSMOS.fullmatch(line):
-            form, count = form_of(path, at, line), int(found["count"])
-            step = step_of(found.groupdict().get("step"), reals)
+            stated_step = found.groupdict().get("step")
+            form = VOLUME_2 if stated_step and not format_in(line) else form_of(path, at, line)
+            step, count = step_of(stated_step, reals), int(found["count"])
             if step is None or count < 2:
                 what = "the step between samples" if count > 1 else "two numbers or more"
                 raise ValueError(f"{path}:{at}: {what} is missing; give a processed record")

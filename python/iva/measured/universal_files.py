@@ -31,8 +31,10 @@ EMPTY = {"", "NONE"}
 AXES = {1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z"}
 
 
-#: The first two lines of a file: a mark, and the number of a dataset.
-BEGIN = re.compile(rb"\s*-1\s*?\r?\n\s*\d{1,4}b?\s")
+#: The first two lines of a file: a mark that ends in column 6, and the number of a dataset there.
+BEGIN = re.compile(
+    rb" {4}-1 *\r?\n +(?:15|55|58|58b|82|151|164|2411|2412|2414|2420|2429)(?:[ \r\n])"
+)
 
 
 def is_universal(contents: bytes) -> bool:
