@@ -1,5 +1,6 @@
 //! Reading of the section `[force]` or of several sections `[[force]]`.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,12 +11,21 @@ use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::record_file::{RecordUnit, read_record};
+use crate::record_file::{RecordFile, RecordUnit, read_record_in_si};
 use crate::source::Source;
-use crate::value::{Key, Value, at, entries, name, number, table, unknown_key};
+use crate::value::{Key, Value, as_number, at, entries, name, number, table, unknown_key};
 
 /// Keys of a recorded force that are not numbers.
 const OF_A_RECORD: [&str; 2] = ["record", "kind"];
+
+/// Base accelerations without a unit of at most that size may be in g: hardly an earthquake exceeds 2 g.
+const AS_G: f64 = 2.0;
+
+/// Larger ones are hardly in m/s²: the ground never reached 5 g.
+const AS_MILLIMETRES: f64 = 50.0;
+
+/// Factors that make an earthquake weaker or stronger; others turn a unit into another one.
+const STRENGTHS: RangeInclusive<f64> = 0.1..=8.0;
 
 /// Reads all forces of a study into its spec.
 ///
@@ -102,17 +112,44 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
         }
     };
     let path = beside(source.path(), file.as_ref());
-    let read = read_record(&path).map_err(|error| match error {
+    let read = read_record_in_si(&path).map_err(|error| match error {
         Error::UnreadableRecord { reason, .. } => {
             source.bad_value("force.record", value.span(), &format!("it cannot be read: {reason}"))
         }
         other => other,
     })?;
+    if let Some(rule) = doubt(section, kind, &read) {
+        return Err(source.error(value.span(), format!("{}: {rule}", path.display())));
+    }
     let is_metric = read.unit == RecordUnit::MetresPerSecondSquared;
     let history = History::new(read.times, read.values)
         .map_err(|invalid| source.error(value.span(), format!("{}: {invalid}", path.display())))?;
     let file = Some(path.display().to_string());
     Ok(Some(Recorded { history: Arc::new(history), kind, file, is_metric }))
+}
+
+/// Why the values of a record may not be what `kind` says, by their unit or their size.
+fn doubt(section: &DeTable<'_>, kind: RecordKind, read: &RecordFile) -> Option<String> {
+    if read.unit == RecordUnit::Newtons && kind != RecordKind::ForceNewtons {
+        let fitting = RecordKind::ForceNewtons.name();
+        return Some(format!("its values are forces in N: give force.kind = \"{fitting}\""));
+    }
+    if read.unit != RecordUnit::Unstated || kind != RecordKind::BaseAcceleration {
+        return None;
+    }
+    let given = section.get_key_value("scale").and_then(|(_, scale)| as_number(scale.get_ref()));
+    let scale = given.map_or(1.0, f64::abs);
+    let peak = scale * read.values.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+    let others = match peak {
+        _ if !STRENGTHS.contains(&scale) || peak == 0.0 => return None,
+        _ if peak <= AS_G => "g",
+        _ if peak > AS_MILLIMETRES => "mm/s^2 or Gal",
+        _ => return None,
+    };
+    Some(format!(
+        "it states no unit, and accelerations of up to {peak} may be in m/s^2 or in {others}; write the \
+         unit behind the name of the column, \"acceleration (g)\", or (1) for the unit of the study"
+    ))
 }
 
 /// The path of a file that a study names, relative to the folder of the study unless the name is absolute.

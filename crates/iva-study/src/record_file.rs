@@ -1,11 +1,12 @@
 //! Reading of files of recorded forces and base motions.
 //!
 //! `columns` reads lines of a time and a value, or `dt = …` and values; `at2` reads PEER's format of
-//! accelerograms, which is recognised by the extension `.at2` or by the header. Every error names the file, and
-//! line and column unless something is missing.
+//! accelerograms, which is recognised by the extension `.at2` or by the header; `head` finds the units that are
+//! named above columns. Every error names the file, and line and column unless something is missing.
 
 mod at2;
 mod columns;
+mod head;
 
 use std::io::Read;
 use std::ops::Range;
@@ -33,18 +34,35 @@ pub struct RecordFile {
 /// The unit of the values of a record, as far as the file states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordUnit {
-    /// The file states no unit.
+    /// The file states no unit, or it was not looked for.
     Unstated,
-    /// The values are accelerations in m/s², converted from g.
+    /// The file says that the values are in the unit of the study.
+    OfStudy,
+    /// The values are accelerations in m/s², converted from the unit that the file states.
     MetresPerSecondSquared,
+    /// The values are forces in N, converted from the unit that the file states.
+    Newtons,
 }
 
-/// Reads a file of a recorded history.
+/// Reads a file of a recorded history; values in columns are taken as they stand.
 ///
 /// # Errors
 /// [`Error::UnreadableRecord`] if it cannot be read, [`Error::LargeRecord`] if it is larger than 1 GiB, and
 /// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
+    parse_record(path, &bytes_of(path)?)
+}
+
+/// Reads a file of a recorded history, and converts it from the units that its head names.
+///
+/// # Errors
+/// As [`read_record`], and [`Error::Study`] for a unit of something else.
+pub fn read_record_in_si(path: &Path) -> Result<RecordFile, Error> {
+    parse_record_in_si(path, &bytes_of(path)?)
+}
+
+/// The contents of a file of at most 1 GiB.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
     let fault = |reason| Error::UnreadableRecord { path: path.to_owned(), reason };
     let file = regular_file::open(path).map_err(fault)?;
     let mut size = file.metadata().map_err(fault)?.len();
@@ -57,7 +75,7 @@ pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
     if size > MOST_BYTES {
         return Err(Error::LargeRecord { path: path.to_owned() });
     }
-    parse_record(path, &bytes)
+    Ok(bytes)
 }
 
 /// Reads the bytes of a recorded history. The extension of `path` may tell the format; otherwise `path` is only
@@ -66,6 +84,23 @@ pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
 /// # Errors
 /// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
+    parse_with(path, bytes, |text| parse(path, text))
+}
+
+/// Reads the bytes of a recorded history, and converts it from the units that its head names.
+///
+/// # Errors
+/// [`Error::Study`], with line and column where there are any, for invalid contents.
+pub fn parse_record_in_si(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
+    parse_with(path, bytes, |text| head::in_si(text, parse(path, text)?))
+}
+
+/// Reads the text that bytes hold with `parse`, and gives its fault its place.
+fn parse_with(
+    path: &Path,
+    bytes: &[u8],
+    parse: impl FnOnce(&str) -> Result<RecordFile, Fault>,
+) -> Result<RecordFile, Error> {
     if bytes.contains(&0) {
         let message = "a binary file or text in UTF-16; give a record as text in UTF-8";
         return Err(Source::new(path, "").missing(message));
@@ -79,7 +114,7 @@ pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
             return Err(Source::new(path, &valid).error(end..end, message));
         }
     };
-    parse(path, text).map_err(|fault| {
+    parse(text).map_err(|fault| {
         let source = Source::new(path, text);
         match fault.place {
             Some(place) => source.error(place, fault.message),

@@ -78,7 +78,7 @@ fn read_cell(text: &str, line: &str, cell: &str) -> Result<f64, Fault> {
 
 /// The cells of a line, separated by semicolons if it has any, otherwise by commas if it has any, otherwise by
 /// blanks.
-fn cells(line: &str) -> impl Iterator<Item = &str> {
+pub(super) fn cells(line: &str) -> impl Iterator<Item = &str> {
     let separator = [';', ','].into_iter().find(|mark| line.contains(*mark));
     line.split(move |c: char| separator.map_or(c.is_whitespace(), |mark| c == mark))
         .map(str::trim)
@@ -117,7 +117,7 @@ fn decimal_comma(text: &str, line: &str) -> Option<Fault> {
 }
 
 /// The text after `dt =`, `dt,`, `dt;` or `dt`; `None` for a line that does not give the time step.
-fn after_dt(line: &str) -> Option<&str> {
+pub(super) fn after_dt(line: &str) -> Option<&str> {
     let (name, rest) = line.split_at_checked(2)?;
     let separator = |c: char| c.is_whitespace() || "=,;".contains(c);
     (name.eq_ignore_ascii_case("dt") && (rest.is_empty() || rest.starts_with(separator)))
