@@ -307,3 +307,25 @@ def test_gravity_matters_where_a_mass_rubs() -> None:
     found = rubbed(1.0, gradients=("gravity",)).gradients["gravity"].summary["energy_friction"][0]
     high, low = (rubbed(1.0 + by).summary["energy_friction"][0] for by in (1e-6, -1e-6))
     assert found == pytest.approx((high - low) / 2e-6, rel=1e-5)
+
+
+def test_a_late_sensitivity_leaves_what_is_decided_before() -> None:
+    # The damping ratio over three cycles is the same in a run that ends before it becomes sensitive,
+    # and its derivative a quotient of such runs.
+    def run(gap: float, duration: float, **more: Any) -> iva.Run:
+        siva = iva.Siva(mass=0.25, gap_mm=gap, restitution=0.7)
+        primary = iva.Primary(mass=3.0, stiffness=12e3, damping=0.5)
+        start = iva.Start(displacement_mm=4.0)
+        return iva.simulate(siva, primary, start=start, duration=duration, **more)
+
+    long, short = (run(3.0, end, gradients=("gap_mm",)) for end in (8.0, 2.0))
+    summary, before = (one.gradients["gap_mm"].summary for one in (long, short))
+    assert 4.0 < summary["sensitive_from"].item() < 6.0
+    assert before["sensitive_from"].item() is None
+    for name in ("damping_ratio_1", "damping_ratio_3", "damping_ratio_10"):
+        assert summary[name].item() == before[name].item()
+    step = 1e-6
+    low, high = (run(3.0 + way, 0.5).summary["damping_ratio_3"].item() for way in (-step, step))
+    quotient = (high - low) / (2 * step)
+    assert summary["damping_ratio_3"].item() == pytest.approx(quotient, rel=1e-6)
+    assert summary["residual_amplitude"].item() is None

@@ -232,11 +232,21 @@ impl Differentiated {
             }
             (Table::Summary, "energy_initial" | "gravity") => true,
             (Table::Summary, "damping_ratio_energy") => self.period < until,
+            (Table::Summary, "damping_ratio_1") => self.has_peaks(3, until),
+            (Table::Summary, "damping_ratio_3") => self.has_peaks(7, until),
+            (Table::Summary, "damping_ratio_10") => self.has_peaks(21, until),
             // All others depend on the whole run.
             (Table::Summary | Table::Absorbers, _) => false,
             // An event is known if all its instants are.
             _ => (1..row.len()).all(before),
         }
+    }
+
+    /// True if the run has so many peaks before an instant.
+    fn has_peaks(&self, count: usize, until: f64) -> bool {
+        let (envelope, time) = (Table::Envelope, place_of(Table::Envelope, "time"));
+        let last = rows_of(&self.rows, envelope).get(count - 1).map(|row| &row[time]);
+        matches!(last, Some(Cell::Number(time)) if *time < until)
     }
 }
 
