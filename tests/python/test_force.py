@@ -7,6 +7,7 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import iva
@@ -156,3 +157,21 @@ def test_bad_values_are_named() -> None:
         simulate(force=3)
     with pytest.raises(ValueError, match=r"did you mean `force\.amplitude`"):
         iva.sweep(SIVA, PRIMARY, start=iva.Start(), over={"amplitude": [1.0]}, periods=1)
+
+
+def test_a_mass_at_rest_on_its_wall_has_nothing_undecided() -> None:
+    # Until the record begins nothing moves: D = 0 throughout, which is no grazing.
+    siva = iva.Siva(mass_ratio=1.0, restitution=0.5, clearance=0.4)
+    primary = iva.Primary(damping_ratio=0.01)
+    start = iva.Start(gap_displacement=-0.4)
+    runs = []
+    for begin in (0.5, 20.0):
+        record = iva.Recorded([begin, begin + 5, begin + 10], [0.05, 0.0, 0.8])
+        run = iva.simulate(siva, primary, start=start, force=record, duration=begin + 20.0)
+        assert run.summary["undecided"].item() == 0
+        assert run.impacts.height > 0
+        runs.append(run.impacts["time"] - begin)
+    assert np.abs((runs[0] - runs[1]).to_numpy()).max() < 1e-12
+    kicked = iva.Impulse(velocity=1.0, time=3.0)
+    run = iva.simulate(siva, primary, start=start, force=kicked, duration=20.0)
+    assert run.summary["undecided"].item() == 0

@@ -18,7 +18,7 @@
 //!
 //! **What cannot be decided.** A minimum of f whose distance from zero is below the band given by the caller
 //! is beyond the precision of the motion: it counts as no zero and is reported in [`Search::undecided`]. Only
-//! minima are ever undecided; a transversal zero never is.
+//! minima are ever undecided; a transversal zero never is, nor is a function that stays 0.
 
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, Jet};
@@ -72,6 +72,12 @@ const MAX_DEPTH: u32 = 48;
 /// Number of halvings after which an interval on which f changes by less than the band counts as constant.
 /// Before, such an interval may be a low rebound, which is decided by signs.
 const FLAT_DEPTH: u32 = 8;
+
+/// True if a function is 0 and changes in no order that is known.
+fn rests<R: Real>(jet: &Jet<R>) -> bool {
+    let Jet { value, rate, curvature, jerk } = *jet;
+    value == 0.0 && rate == 0.0 && curvature == 0.0 && jerk == 0.0
+}
 
 impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     /// f at a jet of the curve.
@@ -155,11 +161,15 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         if fa.rate.max(fb.rate).max(middle) < -rate_slack {
             return self.end_decides(a, b);
         }
+        let centre = self.node((a.h + b.h) * 0.5);
+        if [fa, &centre.jet, fb].iter().all(|it| rests(it)) {
+            // A distance that does not change has no minimum.
+            return None;
+        }
         let flat = depth >= FLAT_DEPTH && highest_change(fa, self.fourth, length) <= self.band;
         if flat || depth >= MAX_DEPTH || length <= R::EPSILON * b.h {
             return self.resolve(a, b, undecided);
         }
-        let centre = self.node((a.h + b.h) * 0.5);
         self.search(a, &centre, depth + 1, undecided)
             .or_else(|| self.search(&centre, b, depth + 1, undecided))
     }
