@@ -68,6 +68,7 @@ _Point = tuple[_Chain, tuple[str, int, int], float, Sequence[float]]
 _Steps = tuple[tuple[float, float], float, int]
 _Numbers = tuple[float, float, float, float]
 _Range = tuple[float, float]
+_Progress = Callable[[int, int, int], object]
 _Starts = tuple[int, int, tuple[_Range, _Range, _Range, _Range] | None, bool]
 
 class IvaError(RuntimeError): ...
@@ -114,7 +115,7 @@ class Study:
     def run(
         self,
         threads: int | None = None,
-        progress: Callable[[int, int, int], object] | None = None,
+        progress: _Progress | None = None,
         memory_limit: float | None = None,
     ) -> dict[str, ArrowTable]: ...
     def part(self, first: int, last: int) -> Study: ...
@@ -154,7 +155,7 @@ def sweep_into(
     resume: bool,
     overwrite: bool,
     threads: int | None = None,
-    progress: Callable[[int, int, int], object] | None = None,
+    progress: _Progress | None = None,
 ) -> list[str]: ...
 def read_record(path: str | PathLike[str], kind: str | None = None) -> Record: ...
 def fields(part: str, kind: str) -> list[tuple[str, str, str]]: ...
@@ -171,9 +172,7 @@ def check_restitution_table(
 def check_choices(words: Sequence[tuple[str, str]]) -> None: ...
 def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
 def doubts(spec: _Spec, sampling: tuple[Any, ...] | None = None) -> list[str]: ...
-def verdict_on_contacts(
-    spec: _Spec, times: list[float], absorbers: list[int]
-) -> str | None: ...
+def verdict_on_contacts(spec: _Spec, times: list[float], absorbers: list[int]) -> str | None: ...
 def simulate(
     spec: _Spec,
     measures: Sequence[str] | None = None,
@@ -199,9 +198,16 @@ def orbit(
     spec: _Spec, periods: int, symmetric: bool | None, settle: int, verify: bool
 ) -> dict[str, Any]: ...
 def follow(
-    spec: _Spec, periods: int, symmetric: bool, over: str, steps: _Steps
+    spec: _Spec,
+    periods: int,
+    symmetric: bool,
+    over: str,
+    steps: _Steps,
+    progress: _Progress | None,
 ) -> dict[str, Any]: ...
-def switch(spec: _Spec, point: _Point, over: str, steps: _Steps) -> dict[str, Any]: ...
+def switch(
+    spec: _Spec, point: _Point, over: str, steps: _Steps, progress: _Progress | None
+) -> dict[str, Any]: ...
 def orbit_at(
     spec: _Spec, given: _Chain, over: str, value: float, unknowns: Sequence[float]
 ) -> dict[str, Any]: ...
@@ -209,9 +215,9 @@ def curve(
     spec: _Spec,
     point: _Point,
     over: tuple[str, str],
-    values: tuple[float, float],
-    between: tuple[tuple[float, float], tuple[float, float]],
+    ranges: tuple[tuple[float, float], tuple[tuple[float, float], tuple[float, float]]],
     steps: tuple[Sequence[float], float, int],
+    progress: _Progress | None,
 ) -> dict[str, Any]: ...
 def diagram(
     spec: _Spec,
@@ -219,6 +225,7 @@ def diagram(
     values: Sequence[float],
     directions: Sequence[str],
     window: tuple[int, int],
+    progress: _Progress | None,
 ) -> dict[str, Any]: ...
 def lyapunov(spec: _Spec, starts: _Starts, window: tuple[int, int]) -> dict[str, Any]: ...
 def attractors(

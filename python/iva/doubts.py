@@ -1,4 +1,4 @@
-"""A warning where a scene has what was hardly meant: a slip of units, or contacts that last long."""
+"""A warning where a scene has what was hardly meant: a slip of units, or long contacts."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from iva.parameters import shown
 
-#: What a user gives: told (done, total).
+#: What a user gives: told (done, total), where a total of 0 says that it is not known.
 Progress: TypeAlias = Callable[[int, int], object]
 #: What the compiled part calls: told (done, total, failed).
 Report: TypeAlias = Callable[[int, int, int], object]
@@ -66,7 +66,7 @@ def drawing() -> Iterator[Report]:
     def draw(done: int, total: int, failed: int) -> None:
         if not bars:
             # What was done before counts for neither rate nor time left.
-            bars.append(tqdm(total=total, initial=done, unit="point", unit_scale=True))
+            bars.append(tqdm(total=total or None, initial=done, unit="point", unit_scale=True))
         if failed:
             bars[0].set_postfix_str(f"{failed} failed", refresh=False)
         bars[0].update(done - bars[0].n)
@@ -87,7 +87,9 @@ def line() -> Iterator[Report]:
     def draw(done: int, total: int, failed: int) -> None:
         if not begun:
             begun.append((perf_counter(), done))
-        text = f"{done} of {total} points{speed(begun[0], done, total)}"
+        text = (
+            f"{done} of {total} points{speed(begun[0], done, total)}" if total else f"{done} points"
+        )
         if failed:
             text += f", {failed} failed"
         nonlocal longest

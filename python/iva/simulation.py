@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from iva import _iva
+from iva.doubts import lasts, warn_of_doubts
 from iva.forces import Force, Impulse, listed, written
 from iva.frames import Frames, from_arrow, to_polars
-from iva.doubts import lasts, warn_of_doubts
 from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import absorbers, scene
@@ -306,8 +306,8 @@ class Run(RunTables):
         if shown := [said(name) for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
         if lasts(self._spec) and "impacts" in self._frames.names:
-            times, absorbers = (self.impacts[name].to_list() for name in ("time", "absorber"))
-            if contacts := _iva.verdict_on_contacts(self._spec, times, absorbers):
+            times, hit = (self.impacts[name].to_list() for name in ("time", "absorber"))
+            if contacts := _iva.verdict_on_contacts(self._spec, times, hit):
                 lines.append(f"  {contacts}")
         parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
         lines += [f"  {written(part)}" for part in parts]

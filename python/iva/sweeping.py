@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from iva import _iva
+from iva.doubts import warn_of_doubts
 from iva.forces import Force
 from iva.frames import from_arrow
 from iva.manifests import FILE, manifest_of
-from iva.doubts import warn_of_doubts
 from iva.parameters import Absorbers, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -125,7 +126,7 @@ def test_impacts_that_follow_before_a_contact_would_have_ended(
     given = siva(gap_mm=5.0, contact_time=lasts)
     made = iva.simulate(given, METRIC, start=iva.Start(displacement_mm=4.0), duration=2.0)
     times = made.impacts["time"].to_list()
-    sooner = sum(later - time < lasts for time, later in zip(times, times[1:], strict=False))
+    sooner = sum(later - time < lasts for time, later in pairwise(times))
     assert 0 < sooner < len(times) - 1
     said = f"a contact lasts 4.03 % of a natural period; {sooner} of {len(times)} impacts follow"
     assert f"  {said}" in str(made)

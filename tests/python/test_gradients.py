@@ -310,8 +310,8 @@ def test_gravity_matters_where_a_mass_rubs() -> None:
 
 
 def test_a_late_sensitivity_leaves_what_is_decided_before() -> None:
-    # The damping ratio over three cycles is the same in a run that ends before it becomes sensitive,
-    # and its derivative a quotient of such runs.
+    # The damping ratio over three cycles is the same in a run that ends before it becomes
+    # sensitive, and its derivative a quotient of such runs.
     def run(gap: float, duration: float, **more: Any) -> iva.Run:
         siva = iva.Siva(mass=0.25, gap_mm=gap, restitution=0.7)
         primary = iva.Primary(mass=3.0, stiffness=12e3, damping=0.5)

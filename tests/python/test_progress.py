@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import sys
+from collections.abc import Callable
+from typing import Any
 
+import numpy as np
 import pytest
 
 import iva
@@ -89,3 +92,42 @@ def test_a_notebook_is_no_terminal_but_watched(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     sweep()
     assert "4 of 4 points" in pane.getvalue()
+
+
+def test_ctrl_c_ends_branches_and_diagrams_with_what_they_have() -> None:
+    # The points that were found are those of the whole branch or diagram.
+    siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    scene: dict[str, Any] = {
+        "primary": iva.Primary(damping_ratio=0.05),
+        "force": iva.Harmonic(amplitude=1.0, frequency=1.0),
+    }
+    told: list[tuple[int, int]] = []
+
+    def after(count: int) -> Callable[[int, int], None]:
+        def interrupt(done: int, total: int) -> None:
+            told.append((done, total))
+            if done >= count:
+                raise KeyboardInterrupt
+
+        return interrupt
+
+    orbit = iva.dynamics.orbit(siva, **scene, start=(0, 0, 0, 0.1), settle=200)
+    assert isinstance(orbit, iva.dynamics.Orbit)
+    wide: dict[str, Any] = {"over": "clearance", "between": (3.0, 8.0), "step": 1e-5}
+    cut = iva.dynamics.follow(orbit, **wide, most_points=100_000, progress=after(3))
+    assert isinstance(cut, iva.dynamics.Branch)
+    assert "cancelled" in cut.ends
+    assert len(cut.rows) > 3
+    assert told[-1][1] == 0
+    values = np.linspace(3.0, 8.0, 400)
+    long: dict[str, Any] = {"direction": "up", "discard": 3000, "keep": 2}
+    part = iva.dynamics.diagram(
+        siva, **scene, over={"clearance": values}, **long, progress=after(2)
+    )
+    outcomes = [one.outcome for one in part.outcomes]
+    done = outcomes.index("cancelled")
+    assert outcomes == ["finished"] * done + ["cancelled"] * (len(values) - done)
+    assert done >= 2
+    assert told[-1][1] == len(values)
+    whole = iva.dynamics.diagram(siva, **scene, over={"clearance": values[:2]}, **long)
+    assert part.strobes[:4] == whole.strobes

@@ -112,7 +112,7 @@ def test_a_start_outside_the_gap_is_blamed_on_the_offset() -> None:
 
 
 def linear_stop(restitution: float) -> float:
-    """Return the largest force of z″ + 2ζz′ + z = 0 from z = 0, z′ = 1 until it is zero, sampled."""
+    """Return the largest force of z″ + 2ζz′ + z = 0, from z = 0 and z′ = 1, while it pushes."""
 
     def contact(ratio: float) -> tuple[float, float]:
         omega = math.sqrt(1 - ratio**2)

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use iva_study::study_file::StudyFile;
 use iva_sweep::Invalid;
-use iva_sweep::dynamics::Found;
 use iva_sweep::dynamics::basins::{Asked, Basins, Plane, basins};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window, diagram};
 use iva_sweep::dynamics::starts::{NAMES, Numbers};
+use iva_sweep::dynamics::{Found, Tracker};
 use iva_sweep::sweep::SweepError;
 
 use crate::args::{AxisOfStarts, BasinsArgs, DiagramArgs};
@@ -46,7 +46,8 @@ pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
     let window = Window { discard: args.discard, keep: args.keep };
     let both = [Direction::Up, Direction::Down];
     let cancel: &AtomicBool = interrupt::listen();
-    let found = diagram(&file.study.spec, (field.over, &values), &both, window, cancel);
+    let tracker = Tracker { cancel, done: &AtomicU64::new(0) };
+    let found = diagram(&file.study.spec, (field.over, &values), &both, window, tracker);
     unless_interrupted(cancel)?;
     let found = found.map_err(|error| match error {
         SweepError::Invalid(invalid) => field.blame(&file, &invalid),

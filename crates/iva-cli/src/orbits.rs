@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use iva_study::error::Kept;
 use iva_study::study_file::{StudyFile, read_study};
 use iva_sweep::design::Spec;
 use iva_sweep::dynamics::branches::{Complex, Followed, Row, Special, Way, follow};
 use iva_sweep::dynamics::words::words;
-use iva_sweep::dynamics::{Asked, Found, ToTwice, orbit};
+use iva_sweep::dynamics::{Asked, Found, ToTwice, Tracker, orbit};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::slot::Slot;
 use iva_sweep::units::UnitSystem;
@@ -148,7 +148,8 @@ pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
     let on_orbit = on_orbit(&file.study.spec, &start);
     let spec = on_orbit.map_err(|invalid| file.source.locate(&invalid))?;
     let cancel = interrupt::listen();
-    let followed = follow(&spec, (start.least_periods, start.symmetric), &way, cancel);
+    let tracker = Tracker { cancel, done: &AtomicU64::new(0) };
+    let followed = follow(&spec, (start.least_periods, start.symmetric), &way, tracker);
     unless_interrupted(cancel)?;
     let followed = followed
         .map_err(|invalid| field.blame(&file, &invalid))?

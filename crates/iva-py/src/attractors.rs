@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::dynamics::shown;
-use crate::errors::invalid;
+use crate::errors::{failed, invalid};
 use crate::worker;
 
 /// Starts as Python holds them: their number, the seed, and the box or whether they are close to the start of the scene.
@@ -37,6 +37,7 @@ pub fn diagram<'py>(
     values: Vec<f64>,
     directions: Vec<String>,
     window: (u64, u64),
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let spec = arguments::spec(spec)?;
     let over = Slot::from_key(over).map_err(invalid)?;
@@ -45,10 +46,16 @@ pub fn diagram<'py>(
         .map(|it| if it == "down" { Direction::Down } else { Direction::Up })
         .collect();
     let window = Window { discard: window.0, keep: window.1 };
+    let total = (values.len() * directions.len()) as u64;
+    let progress = progress.map(|callback| worker::Progress { callback, total });
     let work = move |shared: &worker::Shared| {
-        engine::diagram::diagram(&spec, (over, &values), &directions, window, &shared.cancel)
+        engine::diagram::diagram(&spec, (over, &values), &directions, window, shared.tracker())
     };
-    let parts = worker::run(py, None, work)?;
+    let (parts, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    let parts = parts.map_err(failed)?;
+    if let Some(raised) = cut.filter(|_| parts.iter().all(|it| it.states.is_empty())) {
+        return Err(raised);
+    }
     let dict = PyDict::new(py);
     let per_value = |of: fn(&Strobes) -> usize| parts.iter().map(of).collect::<Vec<_>>();
     dict.set_item("values", parts.iter().map(|it| it.value).collect::<Vec<_>>())?;

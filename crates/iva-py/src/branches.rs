@@ -76,12 +76,20 @@ pub fn follow<'py>(
     symmetric: bool,
     over: &str,
     steps: GivenWay,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, way) = (arguments::spec(spec)?, way(over, steps)?);
+    let progress = told(progress);
     let work = move |shared: &worker::Shared| {
-        engine::follow(&spec, (periods, symmetric), &way, &shared.cancel)
+        engine::follow(&spec, (periods, symmetric), &way, shared.tracker())
     };
-    answer(py, worker::run_any(py, None, work)?.map_err(invalid)?)
+    let (followed, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    answer(py, followed.map_err(invalid)?, cut)
+}
+
+/// A callable for progress over a number of points that is not known.
+fn told<'a, 'py>(callback: Option<&'a Bound<'py, PyAny>>) -> Option<worker::Progress<'a, 'py>> {
+    callback.map(|callback| worker::Progress { callback, total: 0 })
 }
 
 /// Follows the branch that begins at a special point of another, which is given by its chain, condition, value of the field and
@@ -93,10 +101,13 @@ pub fn switch<'py>(
     point: GivenPoint,
     over: &str,
     steps: GivenWay,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, way, begin) = (arguments::spec(spec)?, way(over, steps)?, begin(point)?);
-    let work = move |shared: &worker::Shared| engine::switch(&spec, &begin, &way, &shared.cancel);
-    answer(py, worker::run_any(py, None, work)?.map_err(invalid)?)
+    let progress = told(progress);
+    let work = move |shared: &worker::Shared| engine::switch(&spec, &begin, &way, shared.tracker());
+    let (followed, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    answer(py, followed.map_err(invalid)?, cut)
 }
 
 fn begin((given, at, value, unknowns): GivenPoint) -> PyResult<Begin> {
@@ -131,19 +142,24 @@ pub fn curve<'py>(
     spec: &Bound<'_, PyDict>,
     point: GivenPoint,
     over: (String, String),
-    values: [f64; 2],
-    between: [[f64; 2]; 2],
+    ranges: ([f64; 2], [[f64; 2]; 2]),
     steps: (Vec<f64>, f64, usize),
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, begin, (at, longest, most_points)) = (arguments::spec(spec)?, begin(point)?, steps);
+    let (values, between) = ranges;
     let over = [slot(&over.0)?, slot(&over.1)?];
     let way = CurveWay { over, between, at, longest, most_points };
+    let progress = told(progress);
     let work = move |shared: &worker::Shared| {
-        engine::follow_curve(&spec, &begin, values, &way, &shared.cancel)
+        engine::follow_curve(&spec, &begin, values, &way, shared.tracker())
     };
-    let Some(Curved { points, ends, missed }) =
-        worker::run_any(py, None, work)?.map_err(invalid)?
-    else {
+    let (curved, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    let curved = curved.map_err(invalid)?;
+    if let Some(raised) = cut.filter(|_| curved.as_ref().is_none_or(|it| it.points.len() < 2)) {
+        return Err(raised);
+    }
+    let Some(Curved { points, ends, missed }) = curved else {
         return failed(py, NoBranch::Lost.words());
     };
     let dict = PyDict::new(py);
@@ -175,10 +191,13 @@ fn failed<'py>(
 fn answer<'py>(
     py: Python<'py>,
     followed: Result<Followed, NoBranch>,
+    cut: Option<PyErr>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let Followed { chain, rows, special, ends } = match followed {
-        Ok(followed) => followed,
-        Err(none) => return failed(py, none.words()),
+    let Followed { chain, rows, special, ends } = match (followed, cut) {
+        (Ok(followed), None) => followed,
+        (Ok(followed), Some(_)) if followed.rows.len() > 1 => followed,
+        (_, Some(raised)) => return Err(raised),
+        (Err(none), None) => return failed(py, none.words()),
     };
     let dict = PyDict::new(py);
     dict.set_item("chain", given_chain(&chain))?;

@@ -14,7 +14,9 @@ use std::thread;
 use std::time::Duration;
 
 use iva_sweep::done::Done;
+use iva_sweep::dynamics::Tracker;
 use iva_sweep::sweep::SweepError;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors::{failed, internal};
@@ -35,6 +37,11 @@ pub struct Shared {
 }
 
 impl Shared {
+    /// Flag and count for work that returns what it has once it is cancelled.
+    pub fn tracker(&self) -> Tracker<'_> {
+        Tracker { cancel: &self.cancel, done: &self.done }
+    }
+
     /// Adds finished points to the counts.
     pub fn add(&self, done: Done) {
         self.failed.fetch_add(done.failed, Ordering::Relaxed);
@@ -46,7 +53,7 @@ impl Shared {
 pub struct Progress<'a, 'py> {
     /// The callable.
     pub callback: &'a Bound<'py, PyAny>,
-    /// Number of points of the whole call.
+    /// Number of points of the whole call; 0: it is not known.
     pub total: u64,
 }
 
@@ -71,6 +78,21 @@ pub fn run_any<T: Send + 'static, E: Send + 'static>(
     progress: Option<&Progress<'_, '_>>,
     work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
 ) -> PyResult<Result<T, E>> {
+    match run_partly(py, progress, work)? {
+        (_, Some(raised)) => Err(raised),
+        (result, None) => Ok(result),
+    }
+}
+
+/// The result of work, if there is one, and what was raised meanwhile.
+type Attended<T, E> = (Option<Result<T, E>>, Option<PyErr>);
+
+/// The result of `work`, and what handler or callback raised meanwhile. After a `KeyboardInterrupt` there may be both.
+fn attended<T: Send + 'static, E: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Progress<'_, '_>>,
+    work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
+) -> PyResult<Attended<T, E>> {
     let shared = Arc::new(Shared::default());
     let (sender, mut receiver) = channel();
     let theirs = Arc::clone(&shared);
@@ -99,17 +121,34 @@ pub fn run_any<T: Send + 'static, E: Send + 'static>(
         });
         if let Err(raised) = attended {
             shared.cancel.store(true, Ordering::Relaxed);
-            if !ended {
-                py.detach(move || give_up(receiver));
-            }
-            return Err(raised);
+            let last = if ended { message } else { py.detach(move || wait(receiver, PATIENCE).1) };
+            let partial = last.ok().and_then(Result::ok);
+            let kept = partial.filter(|_| raised.is_instance_of::<PyKeyboardInterrupt>(py));
+            return Ok((kept, Some(raised)));
         }
         match message {
-            Ok(Ok(result)) => return Ok(result),
+            Ok(Ok(result)) => return Ok((Some(result), None)),
             Ok(Err(panic)) => return Err(internal(words(&*panic))),
             Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread vanished")),
             Err(RecvTimeoutError::Timeout) => {}
         }
+    }
+}
+
+/// Runs `work` like [`run_any`], whose result is what it has so far if it is cancelled: that goes with the
+/// `KeyboardInterrupt` that cancelled it, if it comes soon.
+///
+/// # Errors
+/// As [`run_any`].
+pub fn run_partly<T: Send + 'static, E: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Progress<'_, '_>>,
+    work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
+) -> PyResult<(Result<T, E>, Option<PyErr>)> {
+    match attended(py, progress, work)? {
+        (Some(result), raised) => Ok((result, raised)),
+        (None, Some(raised)) => Err(raised),
+        (None, None) => Err(internal("work without a result")),
     }
 }
 
@@ -133,11 +172,6 @@ type Mailbox<T> = Receiver<thread::Result<T>>;
 fn wait<T>(receiver: Mailbox<T>, time: Duration) -> (Mailbox<T>, Message<T>) {
     let message = receiver.recv_timeout(time);
     (receiver, message)
-}
-
-fn give_up<T>(receiver: Mailbox<T>) {
-    // A partial result is dropped.
-    drop(wait(receiver, PATIENCE));
 }
 
 fn words(panic: &(dyn Any + Send)) -> &str {

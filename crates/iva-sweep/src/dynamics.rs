@@ -4,7 +4,7 @@
 //! that an orbit repeats; [`orbit`] finds one.
 
 use std::ops::ControlFlow::{Break, Continue};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use iva_core::absorber::Clock;
 use iva_core::error::Invalid;
@@ -43,6 +43,15 @@ pub use iva_core::orbit::polish::Seen;
 pub use iva_core::orbit::spectrum::Spectrum;
 pub use iva_core::sample::State;
 pub use iva_core::simulate::Outcome;
+
+/// What ends long work, and what is told of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Tracker<'a> {
+    /// A flag that ends the work; it then returns what it has.
+    pub cancel: &'a AtomicBool,
+    /// Counts the points that are done.
+    pub done: &'a AtomicU64,
+}
 
 /// An orbit that was found in doubles, of an absorber of either kind.
 #[derive(Debug, Clone, Copy)]

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from iva import _iva
+from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES, single
 from iva.dynamics.inventories import Attractors
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
 from iva.forces import Harmonic, written
-from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked

@@ -12,6 +12,7 @@ from iva.dynamics.orbits import Missed, Orbit, rounded
 from iva.dynamics.search import orbit_of, whole
 from iva.forces import written
 from iva.parameters import shown, spec
+from iva.progress import Progress, reporting
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -260,7 +261,7 @@ class Branch:
         """
         return orbit_at(self.scene, self.chain, self.rows[index])
 
-    def switch(self, index: int) -> Branch | Missed:
+    def switch(self, index: int, *, progress: bool | Progress = False) -> Branch | Missed:
         """Follow the branch that begins at a special point, within the same range.
 
         At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a
@@ -274,6 +275,8 @@ class Branch:
         ----------
         index : int
             The index of the point.
+        progress : bool or callable, default False
+            As in :func:`follow`.
 
         Raises
         ------
@@ -283,7 +286,8 @@ class Branch:
         point = self.points[index]
         given = (point.chain, point.condition, point.value, point.row.unknowns)
         steps = (self.between, *self.steps)
-        found = _iva.switch(self.scene.spec(), given, self.scene.over, steps)
+        with reporting(progress) as report:
+            found = _iva.switch(self.scene.spec(), given, self.scene.over, steps, report)
         return branch(found, self.scene, self.between, self.steps)
 
     def __repr__(self) -> str:
@@ -312,6 +316,7 @@ def follow(
     between: tuple[float, float],
     step: float = 0.02,
     most_points: int = 2000,
+    progress: bool | Progress = False,
 ) -> Branch | Missed:
     """Follow a periodic orbit over a number of its scene, in both directions and around folds.
 
@@ -328,6 +333,8 @@ def follow(
         Longest step along the branch, as a share of the range and of the sizes of the state.
     most_points : int, default 2000
         Most points to either side.
+    progress : bool or callable, default False
+        As in :func:`iva.sweep`; how many points there will be is not known, and told as 0.
 
     Returns
     -------
@@ -341,7 +348,8 @@ def follow(
     ValueError
         If the scene does not have the number, or the range is not one of it.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before there is a second point. Later it ends the branch with what it has, within
+        about a second, and `ends` say ``"cancelled"``.
 
     Examples
     --------
@@ -361,7 +369,9 @@ def follow(
     if not 0.0 < steps[0] <= 1.0:
         raise ValueError(f"step = {shown(step)}: give a number above 0, up to 1")
     given = ((float(low), float(high)), *steps)
-    found = _iva.follow(made.spec(), orbit.least_periods, orbit.symmetric, over, given)
+    shape = (orbit.least_periods, orbit.symmetric)
+    with reporting(progress) as report:
+        found = _iva.follow(made.spec(), *shape, over, given, report)
     return branch(found, made, (float(low), float(high)), steps)
 
 

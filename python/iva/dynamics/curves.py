@@ -11,6 +11,7 @@ from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed
 from iva.dynamics.search import whole
 from iva.parameters import numbers, shown
+from iva.progress import Progress, reporting
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -86,6 +87,7 @@ def curve(
     at: Iterable[float] = (),
     step: float = 0.05,
     most_points: int = 2000,
+    progress: bool | Progress = False,
 ) -> Curve | Missed:
     """Follow a special point of a branch over two numbers of its scene.
 
@@ -104,6 +106,8 @@ def curve(
         Longest step, as a share of the ranges and of the sizes of the state.
     most_points : int, default 2000
         Most points to either side.
+    progress : bool or callable, default False
+        As in :func:`follow`.
 
     Returns
     -------
@@ -118,7 +122,8 @@ def curve(
         If the scene does not have the numbers, neither is that of the branch, or a range is not one
         of them.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before there is a second point. Later it ends the curve with what it has, within
+        about a second, and `ends` say ``"cancelled"``.
 
     Examples
     --------
@@ -145,9 +150,9 @@ def curve(
     steps = (numbers("at", at), float(step), whole("most_points", most_points, 1, MOST_POINTS))
     given = (point.chain, point.condition, point.value, point.row.unknowns)
     made = point.scene.spec()
-    found = _iva.curve(
-        made, given, (one, other), (values[0], values[1]), (ranges[0], ranges[1]), steps
-    )
+    ways = ((values[0], values[1]), (ranges[0], ranges[1]))
+    with reporting(progress) as report:
+        found = _iva.curve(made, given, (one, other), ways, steps, report)
     if "reason" in found:
         return Missed(**found)
     low, high = found["ends"]

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from iva import _iva
+from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import NAMES, start_of, whole
 from iva.forces import Harmonic, written
-from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.progress import Progress, reporting
 from iva.scenes import scene
 from iva.spelling import spell_checked
 
@@ -143,6 +144,7 @@ def diagram(
     start: Start | Run | theory.Orbit | Orbit | Iterable[float] | None = None,
     discard: int = 300,
     keep: int = 60,
+    progress: bool | Progress = False,
 ) -> Diagram:
     """Follow a steady state through values of a number of its scene, each from the end of the last.
 
@@ -170,6 +172,8 @@ def diagram(
         Number of periods of the force to leave out for each value.
     keep : int, default 60
         Number of periods that follow, at whose ends the state is kept.
+    progress : bool or callable, default False
+        As in :func:`iva.sweep`; a point is a value in one direction.
 
     Returns
     -------
@@ -183,7 +187,8 @@ def diagram(
         If a value is missing or out of range, the values do not increase, the start lies outside
         the gap, or the force is not one harmonic force.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before there is a strobe. Later it ends the diagram with what it has, within about
+        a second, and `outcomes` say ``"cancelled"``.
 
     Notes
     -----
@@ -208,7 +213,8 @@ def diagram(
     made = scene(absorber, primary, begin, force, {})
     warn_of_doubts(made)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("keep", keep, 1, MOST_CYCLES))
-    found = _iva.diagram(made, name, values, DIRECTIONS[direction], window)
+    with reporting(progress) as report:
+        found = _iva.diagram(made, name, values, DIRECTIONS[direction], window, report)
     heads = zip(
         found["values"], found["directions"], found["outcomes"], found["counts"], strict=True
     )

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from iva import _iva
+from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES, single
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic, written
-from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, spec
 from iva.scenes import scene
 from iva.spelling import spell_checked

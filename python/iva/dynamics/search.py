@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from iva import _iva, theory
+from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
 from iva.forces import Harmonic, listed
-from iva.doubts import warn_of_doubts
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown
 from iva.scenes import scene
 from iva.simulation import Run, state_of, truth

@@ -8,7 +8,7 @@
 //! the condition together, whose matrix stays regular there. What ends within a stick episode (`orbit/episode.rs`) is known from one
 //! side only: that end is the last orbit before a point beyond which, by steps down to rounding, there is none.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use nalgebra::{Complex, DVector, Matrix4};
 
@@ -37,12 +37,14 @@ pub struct Along<'a> {
     pub longest: f64,
     /// A flag that ends it.
     pub cancel: Option<&'a AtomicBool>,
+    /// Counts the points that are found.
+    pub done: Option<&'a AtomicU64>,
 }
 
 impl Along<'_> {
     /// Within a range, with the usual steps.
     pub fn new(between: [f64; 2]) -> Self {
-        Self { between, most_points: 2000, longest: 0.02, cancel: None }
+        Self { between, most_points: 2000, longest: 0.02, cancel: None, done: None }
     }
 }
 

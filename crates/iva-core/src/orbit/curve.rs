@@ -4,7 +4,7 @@
 //! is followed in both directions by the continuation that follows branches, and ends where a number leaves its range or
 //! where another impact would begin or vanish.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use nalgebra::{Complex, DVector};
 
@@ -15,7 +15,7 @@ use super::continuation::{Curve, OnCurve, distance, kernel};
 use super::coordinates::Coordinates;
 use super::family::{Conditioned, Family, Scenes};
 use super::multipliers::multipliers;
-use crate::run::side_by_side::is_set;
+use crate::run::side_by_side::{is_set, one_more};
 
 /// First and smallest step along a curve, in scales, and by how much a step grows.
 const FIRST: f64 = 1e-3;
@@ -38,6 +38,8 @@ pub struct AlongCurve<'a> {
     pub longest: f64,
     /// A flag that ends it.
     pub cancel: Option<&'a AtomicBool>,
+    /// Counts the points that are found.
+    pub done: Option<&'a AtomicU64>,
 }
 
 /// A point of a curve.
@@ -181,6 +183,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
             if points.len() > 4 && distance(&next.point, &first.point, scales) < step {
                 return End::Closed;
             }
+            one_more(self.along.done);
             now = next;
             step = (step * GROWTH).min(self.along.longest);
         }

@@ -4,7 +4,7 @@
 //! So an attractor is followed until it ends, and where there are two the diagram upwards is another than that downwards:
 //! hysteresis.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use nalgebra::Vector4;
 
@@ -14,7 +14,7 @@ use super::{Trajectory, map};
 use crate::absorber::Clock;
 use crate::engine::simulate::Outcome;
 use crate::error::Invalid;
-use crate::run::side_by_side::is_set;
+use crate::run::side_by_side::{is_set, one_more};
 
 /// The order in which the values of a parameter are gone through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +60,7 @@ fn put<S: Coordinates + Clone>(
 
 /// The columns of a bifurcation diagram, in the order of the trajectories: one for each value of the parameter. The first value of
 /// the direction begins from the state of its trajectory. Once cancelled, the rest has no strobes.
+/// `done` counts the columns.
 ///
 /// The values depend on each other, so that they are run one after the other; a diagram upwards and one downwards do not.
 ///
@@ -70,6 +71,7 @@ pub fn diagram<S: Coordinates + Clone>(
     direction: Direction,
     window: Window,
     cancel: Option<&AtomicBool>,
+    done: Option<&AtomicU64>,
 ) -> Result<Vec<Column>, Invalid> {
     for trajectory in trajectories {
         trajectory.limits()?;
@@ -85,6 +87,7 @@ pub fn diagram<S: Coordinates + Clone>(
         let (column, end) = column(begun.unwrap_or_else(|| trajectory.clone()), window, cancel)?;
         last = end;
         columns.push(column);
+        one_more(done);
     }
     if direction == Direction::Down {
         columns.reverse();

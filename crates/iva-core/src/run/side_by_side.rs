@@ -21,7 +21,7 @@
 //! In the fast tier the lanes of free masses hold plain doubles. Their results do not depend on the other lanes
 //! either, but differ from those of the event loop in the last bits.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::absorber::OnStructure;
 use crate::engine::observe::Events;
@@ -249,6 +249,13 @@ pub fn run_listed<S: SideBySide>(
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
     S::run_jobs(jobs, wanted, cancel, take)
+}
+
+/// Counts one more of what is done, for who watches.
+pub(crate) fn one_more(done: Option<&AtomicU64>) {
+    if let Some(done) = done {
+        done.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 pub(crate) fn is_set(cancel: Option<&AtomicBool>) -> bool {

@@ -13,7 +13,7 @@ use iva_core::orbit::sequence::NoChain;
 use iva_core::orbit::{Coordinates, Trajectory};
 
 use super::family::{Family, OfMember, changeable, middled, with_member};
-use super::{Found, Missed, told};
+use super::{Found, Missed, Tracker, told};
 use crate::design::Spec;
 use crate::slot::Slot;
 
@@ -183,7 +183,7 @@ pub fn follow(
     spec: &Spec,
     (periods, symmetric): (u32, bool),
     way: &Way,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Result<Followed, NoBranch>, Invalid> {
     let slots = [way.over];
     let value = value_of(spec, way.over)?;
@@ -200,13 +200,13 @@ pub fn follow(
         it,
         (periods, symmetric),
         (way, value),
-        cancel
+        tracker
     ))
 }
 
-fn along<'a>(way: &Way, cancel: &'a AtomicBool) -> Along<'a> {
+fn along<'a>(way: &Way, Tracker { cancel, done }: Tracker<'a>) -> Along<'a> {
     let Way { between, longest, most_points, .. } = *way;
-    Along { between, most_points, longest, cancel: Some(cancel) }
+    Along { between, most_points, longest, cancel: Some(cancel), done: Some(done) }
 }
 
 fn followed<S: OfMember + Coordinates + Clone>(
@@ -214,9 +214,9 @@ fn followed<S: OfMember + Coordinates + Clone>(
     trajectory: &Trajectory<S>,
     (periods, symmetric): (u32, bool),
     (way, value): (&Way, f64),
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Result<Followed, NoBranch>, Invalid> {
-    let orbit = match find(trajectory, symmetric, Some(cancel)) {
+    let orbit = match find(trajectory, symmetric, Some(tracker.cancel)) {
         Ok(orbit) => orbit,
         Err(Missed::Invalid(invalid)) => return Err(invalid),
         Err(missed) => return Ok(Err(NoBranch::Missed(missed))),
@@ -227,7 +227,7 @@ fn followed<S: OfMember + Coordinates + Clone>(
     };
     let slots = [way.over];
     let scenes = scenes::<S>(spec, &slots);
-    let branch = branch::follow(&scenes, (&chain, &unknowns), value, along(way, cancel));
+    let branch = branch::follow(&scenes, (&chain, &unknowns), value, along(way, tracker));
     let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
     Ok(followed.ok_or(NoBranch::Lost))
 }
@@ -269,7 +269,7 @@ pub fn switch(
     spec: &Spec,
     begin: &Begin,
     way: &Way,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Result<Followed, NoBranch>, Invalid> {
     let slots = [way.over];
     check(spec, &slots, &[way.between])?;
@@ -277,7 +277,7 @@ pub fn switch(
     let point = special(begin.condition, begin.value, &begin.unknowns);
     let branch = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &slots);
-        branch::switch(&scenes, &begin.chain, &point, along(way, cancel))
+        branch::switch(&scenes, &begin.chain, &point, along(way, tracker))
     });
     let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
     Ok(followed.ok_or(NoBranch::Lost))
@@ -347,7 +347,7 @@ pub fn follow_curve(
     begin: &Begin,
     values: [f64; 2],
     way: &CurveWay,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Option<Curved>, Invalid> {
     check(spec, &way.over, &way.between)?;
     let family = family_at(spec, &way.over, &values)?;
@@ -357,7 +357,8 @@ pub fn follow_curve(
         at: &way.at,
         most_points: way.most_points,
         longest: way.longest,
-        cancel: Some(cancel),
+        cancel: Some(tracker.cancel),
+        done: Some(tracker.done),
     };
     let found = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &way.over);

@@ -1,7 +1,5 @@
 //! Bifurcation diagrams over a field of a scene, in the user's units, see [`iva_core::orbit::diagram`].
 
-use std::sync::atomic::AtomicBool;
-
 use iva_core::error::{Invalid, number};
 use iva_core::host::DrivenHost;
 use iva_core::orbit::Trajectory;
@@ -9,9 +7,9 @@ use iva_core::orbit::diagram::{self, Column};
 use iva_core::piva::Piva;
 use iva_core::siva::Siva;
 
-use super::Outcome;
 use super::family::{Family, Member, OfMember, changeable, middled};
 use super::starts::{Numbers, Startable};
+use super::{Outcome, Tracker};
 use crate::design::Spec;
 use crate::slot::Slot;
 use crate::sweep::SweepError;
@@ -46,7 +44,7 @@ pub fn diagram(
     (over, values): (Slot, &[f64]),
     directions: &[Direction],
     window: Window,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Vec<Strobes>, SweepError> {
     check(over, values)?;
     // Where a motion does not go on from the last value, it begins in the middle of the gap, which fits any clearance.
@@ -62,8 +60,8 @@ pub fn diagram(
         let mut all = all.clone();
         all[first] = begin;
         match &all[first].member {
-            Member::Siva(_) => strobes::<Siva<DrivenHost>>(all, values, direction, window, cancel),
-            Member::Piva(_) => strobes::<Piva<DrivenHost>>(all, values, direction, window, cancel),
+            Member::Siva(_) => strobes::<Siva<DrivenHost>>(all, values, direction, window, tracker),
+            Member::Piva(_) => strobes::<Piva<DrivenHost>>(all, values, direction, window, tracker),
         }
     };
     let parts = Workers::new(None)?.map(directions.len() as u64, one);
@@ -92,14 +90,14 @@ fn strobes<S: OfMember + Startable>(
     values: &[f64],
     direction: Direction,
     window: Window,
-    cancel: &AtomicBool,
+    Tracker { cancel, done }: Tracker<'_>,
 ) -> Result<Vec<Strobes>, Invalid> {
     let (mut trajectories, mut scales) = (vec![], vec![]);
     for Family { member, scale, .. } in families {
         trajectories.extend(S::of(member));
         scales.push(scale);
     }
-    let columns = diagram::diagram(&trajectories, direction, window, Some(cancel))?;
+    let columns = diagram::diagram(&trajectories, direction, window, Some(cancel), Some(done))?;
     let rows = columns.into_iter().zip(&trajectories).zip(scales).zip(values);
     let shown =
         |(((column, trajectory), scale), value): (((Column, &Trajectory<S>), Scale), &f64)| {

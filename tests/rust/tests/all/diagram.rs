@@ -46,7 +46,7 @@ fn the_periods_change_at_the_flips() {
     let all = family((0..20).map(at));
     let window = Window { discard: 300, keep: 16 };
     for direction in [Direction::Up, Direction::Down] {
-        let columns = diagram(&all, direction, window, None).unwrap();
+        let columns = diagram(&all, direction, window, None, None).unwrap();
         assert_eq!(columns.len(), 20);
         for (index, column) in columns.iter().enumerate() {
             let d = at(index);
@@ -67,7 +67,7 @@ fn the_periods_change_at_the_flips() {
 fn values_are_joined_to_each_other() {
     let all = family([4.5, 4.6, 1.0].into_iter());
     let window = Window { discard: 7, keep: 3 };
-    let columns = diagram(&all, Direction::Up, window, None).unwrap();
+    let columns = diagram(&all, Direction::Up, window, None, None).unwrap();
     let last = columns[0].strobes[2].at;
     let start = Start {
         displacement: last[0],
@@ -76,15 +76,15 @@ fn values_are_joined_to_each_other() {
         gap_velocity: last[3],
     };
     let second = Trajectory::new(all[1].system.clone(), &start, all[1].cycle).unwrap();
-    let alone = diagram(&[second], Direction::Down, window, None).unwrap();
+    let alone = diagram(&[second], Direction::Down, window, None, None).unwrap();
     assert_eq!(alone[0], columns[1]);
     assert!(columns[1].strobes[2].at[2].abs() > 1.0, "the third does not fit");
     assert_eq!((columns[2].outcome, columns[2].strobes.len()), (Outcome::Finished, 3));
     // Downwards the last one begins from its own start.
-    let down = diagram(&all, Direction::Down, window, None).unwrap();
-    assert_eq!(down[2], diagram(&all[2..], Direction::Up, window, None).unwrap()[0]);
+    let down = diagram(&all, Direction::Down, window, None, None).unwrap();
+    assert_eq!(down[2], diagram(&all[2..], Direction::Up, window, None, None).unwrap()[0]);
     let cancelled = true.into();
-    let none = diagram(&all, Direction::Up, window, Some(&cancelled)).unwrap();
+    let none = diagram(&all, Direction::Up, window, Some(&cancelled), None).unwrap();
     assert!(none.iter().all(|it| it.strobes.is_empty() && it.outcome == Outcome::Cancelled));
 }
 
@@ -110,7 +110,7 @@ fn two_attractors_are_followed_each_in_its_direction() {
     let all: Vec<_> = (0..11).map(one).collect();
     let window = Window { discard: 150, keep: 4 };
     let [up, down] = [Direction::Up, Direction::Down].map(|it| {
-        let columns = diagram(&all, it, window, None).unwrap();
+        let columns = diagram(&all, it, window, None, None).unwrap();
         columns.iter().map(|it| (period(it), it.strobes[0].impacts)).collect::<Vec<_>>()
     });
     for index in 0..11 {

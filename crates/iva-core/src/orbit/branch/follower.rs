@@ -11,7 +11,7 @@ use super::brink::BRINK;
 use super::halves::{difference, origin};
 use super::{Along, BranchPoint, End, SpecialPoint, multipliers_of};
 use crate::absorber::Wall;
-use crate::run::side_by_side::is_set;
+use crate::run::side_by_side::{is_set, one_more};
 
 /// Smallest and first step along a branch, in scales, and by how much a step grows.
 const SHORTEST: f64 = 1e-7;
@@ -289,6 +289,7 @@ impl<S: Coordinates> Follower<'_, S> {
             {
                 return (side, End::Closed);
             }
+            one_more(self.along.done);
             now = next;
             step = (step * GROWTH).min(self.along.longest);
         }
