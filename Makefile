@@ -87,6 +87,7 @@ truth: wheel ## print all that iva.dynamics computes beside references; TRUTH="-
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts, kills at random
 	$(CARGO) test --locked --release --test all stress -- --ignored --nocapture
+	EVERY_CASE=1 $(CARGO) test --locked --release --test all
 	EVERY_FAULT=1 $(CARGO) test --locked --release --test all aborted_at_any_step -- --nocapture
 	$(MAKE) count
 	$(MAKE) fuzz

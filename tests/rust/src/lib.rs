@@ -39,12 +39,22 @@ pub fn units(error: f64, condition: f64, time: f64) -> f64 {
 /// Largest error of an event time, in rounding units.
 pub const UNITS_ALLOWED: f64 = 6.0;
 
+/// Every how many cases of a test are tried: all of them in `make stress`, which sets `EVERY_CASE`.
+pub fn stride() -> usize {
+    if std::env::var_os("EVERY_CASE").is_some() { 1 } else { 3 }
+}
+
+/// How many of the cases of a test are tried.
+pub fn some(all: usize) -> usize {
+    all.div_ceil(stride())
+}
+
 /// Settings of the property tests with a fixed seed, so that failures are reproducible (`PROPTEST_RNG_SEED`
 /// and `PROPTEST_CASES` override them).
 pub fn cases(cases: u32) -> Config {
     let mut config = Config { failure_persistence: None, ..Config::default() };
     if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = cases;
+        config.cases = cases.div_ceil(stride() as u32);
     }
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(20_240_611);

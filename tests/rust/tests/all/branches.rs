@@ -234,6 +234,7 @@ fn the_curves_are_those_of_the_references() {
             most_points: 2000,
             longest: 0.05,
             cancel: None,
+            done: None,
         };
         let values = [number(&record["scene"]["frequency"]), special.at.value];
         let found = curve(&scenes, &found.chain, special, values, along).unwrap();
@@ -268,6 +269,7 @@ fn a_curve_of_tori_ends_where_its_multipliers_become_real() {
         most_points: 2000,
         longest: 0.05,
         cancel: None,
+        done: None,
     };
     let found = curve(&scenes, &found.chain, torus, [1.0, torus.at.value], along).unwrap();
     assert!(found.ends.contains(&End::Resonance), "{:?}", found.ends);

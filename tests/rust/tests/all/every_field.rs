@@ -23,6 +23,7 @@ use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded};
 use iva_sweep::sampling::Sampling;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Tables, Workers, run_inline, sweep, validate};
+use iva_tests::stride;
 
 /// The excitation of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -324,7 +325,8 @@ fn assert_same_bits(study: &Study, field: FieldId, workers: &[Workers; 2]) {
         false => (Selection::all(), Vec::from_iter(SUMMARY)),
     };
     let everything = summary(&Study { measures: all, ..alone.clone() });
-    for column in columns {
+    // Others for each field.
+    for column in columns.into_iter().skip(field as usize % stride()).step_by(stride()) {
         if usual.contains(column.name) {
             assert_eq!(&everything[column.name], &reference[column.name], "{} of all", column.name);
         }

@@ -137,7 +137,7 @@ fn compare(scenes: usize) {
 
 #[test]
 fn errors_are_within_what_rounding_does_in_scenes_of_all_kinds() {
-    compare(2000);
+    compare(iva_tests::some(2000));
 }
 
 /// The second and third impact are 90/ωn apart: some 300 stretches of equal length under a force that turns in

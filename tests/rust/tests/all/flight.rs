@@ -26,8 +26,10 @@ fn flights(zeta: f64, x: f64, v: f64, times: &[f64]) -> Vec<(f64, f64, f64)> {
 #[test]
 fn flight_is_right_for_every_damping_ratio() {
     // Truth: the power series in double-double. Bound: six units of the initial size.
-    let times: Vec<f64> =
-        [1e-9, 1e-6, 1e-3].into_iter().chain((1..=240).map(|k| f64::from(k) * 0.125)).collect();
+    let times: Vec<f64> = [1e-9, 1e-6, 1e-3]
+        .into_iter()
+        .chain((1..=240).step_by(iva_tests::stride()).map(|k| f64::from(k) * 0.125))
+        .collect();
     for zeta in [0.0, 0.01, 0.5, 0.99, 0.999_999, 1.0, 1.000_001, 1.01, 1.5, 5.0, 30.0] {
         for (x, v) in [(1.0, 0.0), (0.0, 1.0), (1.0, -3.0), (-0.3, 0.7)] {
             for (&t, (found_x, found_v, found_y)) in times.iter().zip(flights(zeta, x, v, &times)) {

@@ -180,7 +180,8 @@ fn gravity_is_an_acceleration_of_the_base() {
 fn doubles_are_off_by_some_rounding_units() {
     let mut rng = Rng::new(20_261_125);
     let mut found = Vec::new();
-    for number in 0..400 {
+    let scenes = iva_tests::some(400);
+    for number in 0..scenes {
         let scene = Scene::random(&mut rng, number % 2 == 1);
         let mut errors = Errors::default();
         simulate(&scene.inclined(), &scene.start(), &scene.limits(), None, &mut errors).unwrap();
@@ -209,7 +210,7 @@ fn doubles_are_off_by_some_rounding_units() {
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let median = found[found.len() / 2];
     println!("{} events, median {median:?}, worst {:?}", found.len(), found.last());
-    assert!(found.len() > 3000 && median.0 < 1.0, "{median:?}");
+    assert!(found.len() > 7 * scenes && median.0 < 1.0, "{median:?}");
     assert!(found.last().unwrap().0 <= UNITS_ALLOWED, "{:?}", found.last());
 }
 

@@ -18,6 +18,7 @@ use iva_core::{
 };
 use iva_tests::modal::{Mass, POINTS, any_mass, any_structure, built};
 use iva_tests::rng::Rng;
+use iva_tests::some;
 
 const MASSES: usize = 2;
 const MODES: usize = 3;
@@ -263,8 +264,8 @@ fn assert_exact(ratios: impl Iterator<Item = Option<f64>>, least: usize) {
 
 #[test]
 fn conditions_on_modes_are_those_of_differences() {
-    let scenes = (100..116).map(|seed| OnModes { seed, driven: seed % 5 < 2 });
-    assert_exact(scenes.map(|scene| condition_over_differences(&scene)), 10);
+    let scenes = (100..116).take(some(16)).map(|seed| OnModes { seed, driven: seed % 5 < 2 });
+    assert_exact(scenes.map(|scene| condition_over_differences(&scene)), some(10));
 }
 
 #[test]

@@ -15,6 +15,7 @@ use iva_core::{
 use iva_tests::covered::Covered;
 use iva_tests::mixed_list::{Any, any, any_list, limits, mixed, parameters, piva, push, start};
 use iva_tests::rng::Rng;
+use iva_tests::some;
 
 /// A list and what drives it.
 struct Scene {
@@ -72,7 +73,7 @@ fn drive(k: usize) -> Option<Acts> {
 fn estimates_cover_the_errors() {
     let mut rng = Rng::new(71);
     let (mut covered, mut episodes) = (Covered::default(), 0);
-    for k in 0..48 {
+    for k in 0..some(48) {
         let scene = Scene::random(&mut rng, 1 + k % 4, drive(k));
         let events = scene.events::<f64>(&start(scene.at, &scene.all), 20.0);
         let exact = scene.events::<Twofold>(&start(scene.at, &scene.all), 20.0);
@@ -80,8 +81,8 @@ fn estimates_cover_the_errors() {
         episodes += events.episodes.len();
         covered.count(&events.impacts, &exact.impacts, &errors);
     }
-    assert!(episodes > 10, "{episodes} episodes");
-    covered.holds(800);
+    assert!(episodes > some(10), "{episodes} episodes");
+    covered.holds(some(800));
 }
 
 /// One pendulum in a list has the condition of the pendulum alone, whose formulas are others, and estimates of its size.
