@@ -1,6 +1,7 @@
 //! What a scene has that was hardly meant: a slip of units, or contacts that last too long for impacts.
 
 use crate::engine::given::Given;
+use crate::error::number;
 use crate::fields::FieldId;
 use crate::sampling::Sampling;
 use crate::spec::Spec;
@@ -26,9 +27,9 @@ fn damping(spec: &Spec) -> Option<String> {
     let (_, units) = Given::<f64>::new(spec).scale().ok()?;
     (units != UnitSystem::Natural).then(|| {
         format!(
-            "primary.damping_ratio = {ratio} is {:.3} % of critical damping: where {ratio} % is meant, give {}",
-            ratio * 100.0,
-            crate::error::number(lengths::rounded(ratio / 100.0))
+            "primary.damping_ratio = {ratio} is {} % of critical damping: where {ratio} % is meant, give {}",
+            number(lengths::rounded(ratio * 100.0)),
+            number(lengths::rounded(ratio / 100.0))
         )
     })
 }
