@@ -6,6 +6,7 @@ The simulator is run by Node.js, where there is one; its numbers are compared wi
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
@@ -189,6 +190,53 @@ def test_explore_takes_runs_and_parts(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="one harmonic force"):
         iva.explore(SIVA, iva.Primary(), force=record, periods=5)
     assert isinstance(iva.explore(), Explorer)
+
+
+def test_a_list_of_one_absorber_is_that_absorber() -> None:
+    of_list = iva.explore([SIVA], iva.Primary(), start=START, periods=5)  # type: ignore[arg-type]
+    assert of_list.html == iva.explore(SIVA, iva.Primary(), start=START, periods=5).html
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        (
+            {"absorber": [SIVA, SIVA]},
+            "absorber = a list of 2: the explorer shows one absorber; give one of them",
+        ),
+        (
+            {"absorber": dataclasses.replace(SIVA, units=3)},
+            "absorber.units = 3: the explorer shows one absorber of one unit; leave it out",
+        ),
+        (
+            {"absorber": dataclasses.replace(SIVA, friction=0.1, gravity=1)},
+            "absorber.friction = 0.1: the explorer takes none; leave it out",
+        ),
+        (
+            {"absorber": dataclasses.replace(SIVA, gap_damping_ratio=0.02)},
+            "absorber.gap_damping_ratio = 0.02: the explorer takes no dashpot; leave it out",
+        ),
+        (
+            {"start": iva.Start(impulse_velocity=1)},
+            "start.impulse_velocity = 1: the explorer takes no impulse; give a start velocity",
+        ),
+    ],
+)
+def test_what_the_page_does_not_show_is_refused(changed: dict[str, Any], told: str) -> None:
+    scene = {"absorber": SIVA, "primary": iva.Primary(), "start": START, "periods": 5, **changed}
+    with pytest.raises(ValueError, match=re.escape(told)):
+        iva.explore(iva.simulate(**scene))
+    absorber = scene.pop("absorber")
+    with pytest.raises(ValueError, match=re.escape(told)):
+        iva.explore(absorber, **scene)
+
+
+def test_what_says_none_is_not_refused(tmp_path: Path) -> None:
+    siva = dataclasses.replace(SIVA, units=1, friction=0, gravity=1, gap_damping_ratio=0)
+    run = iva.simulate(siva, iva.Primary(), start=START, periods=5, tolerance=0)
+    assert iva.simulate(**iva.explore(run).scene) == run
+    [answer] = answered(tmp_path, [{"scene": explored(run._spec)}])["answers"]
+    assert answer["summary"]["impacts"] == run.summary["impacts"].item()
 
 
 @pytest.mark.parametrize("study", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)

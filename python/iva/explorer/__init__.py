@@ -148,7 +148,9 @@ def explore(
     TypeError
         If an argument is of the wrong type, or parts are given beside a run.
     ValueError
-        If the scene has more than one force, or one that is not harmonic.
+        If the scene has something that the page does not show: more than one absorber or unit, more
+        than one force or one that is not harmonic, an impulse, friction, a dashpot, a table of the
+        restitution, or a structure with several modes.
 
     Examples
     --------
@@ -166,4 +168,6 @@ def explore(
         return Explorer(DEFAULT)
     from iva.scenes import scene as whole
 
-    return Explorer(explored(whole(scene, primary, start or Start(), force, run)))
+    several = isinstance(scene, (list, tuple))
+    made = whole(scene, primary, start or Start(), force, run, several=several)
+    return Explorer(explored(made))

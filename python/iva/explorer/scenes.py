@@ -10,6 +10,16 @@ from iva import _iva, scenes
 
 #: The words of a study that are not numbers.
 WORDS = ("kind", "angles", "impact_law")
+#: Fields that the page has no room for → the value that is as good as none, and what to do.
+REFUSED: dict[str, tuple[float | None, str]] = {
+    "absorber.units": (1.0, "the explorer shows one absorber of one unit; leave it out"),
+    "absorber.friction": (0.0, "the explorer takes none; leave it out"),
+    "absorber.gap_damping": (0.0, "the explorer takes no dashpot; leave it out"),
+    "absorber.gap_damping_ratio": (0.0, "the explorer takes no dashpot; leave it out"),
+    "start.impulse": (None, "the explorer takes no impulse; give a start velocity"),
+    "start.impulse_velocity": (None, "the explorer takes no impulse; give a start velocity"),
+    "run.tolerance": (0.0, "the explorer shows the exact motion; leave it out"),
+}
 #: What a force has that is not harmonic.
 IMPULSES_AND_RECORDS = frozenset({"velocity", "impulse", "time", "record", "scale"})
 
@@ -41,13 +51,17 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     Raises
     ------
     ValueError
-        If it has more than one force, one that is not harmonic, a structure with several modes,
-        friction, or a table of the restitution.
+        If it has several absorbers, more than one force, one that is not harmonic, a structure with
+        several modes, a table of the restitution, or a field of :data:`REFUSED`.
     """
     if "structure" in spec:
         raise ValueError("primary: the explorer takes no structure with several modes")
-    if friction := spec.get("absorber.friction"):
-        raise ValueError(f"absorber.friction = {friction:g}: the explorer takes none; leave it out")
+    if (count := sum(path.endswith(".kind") for path in spec)) > 1:
+        rule = "the explorer shows one absorber; give one of them"
+        raise ValueError(f"absorber = a list of {count}: {rule}")
+    for path, (without, rule) in REFUSED.items():
+        if (value := spec.get(path)) is not None and value != without:
+            raise ValueError(f"{path} = {value:g}: {rule}")
     if "absorber.restitution_table" in spec:
         raise ValueError("absorber.restitution_table: the explorer takes none; give a number")
     words = {f"absorber.{word}" for word in WORDS}
