@@ -150,6 +150,66 @@ def test_cases_out_of_range_are_the_worst_and_few_end_nothing() -> None:
         robust_design(over={"restitution": Normal(1.05, 0.05), "displacement_mm": [4.0]})
 
 
+@pytest.mark.parametrize("field", ["gap_displacement", "gap_offset"])
+def test_cases_that_start_outside_the_gap_are_the_worst(field: str) -> None:
+    # Half the play is 2 mm; of starts up to 2.5 mm from the middle a fifth lies outside.
+    found = iva.optimise(
+        iva.Siva(mass=0.25, restitution=0.6),
+        STRUCTURE,
+        choose={"gap_mm": (4.0, 4.001)},
+        over={field: Uniform(-0.0025, 0.0025)},
+        minimise="settling_time_5",
+        start=iva.Start(displacement_mm=4.0),
+        quantile=0.7,
+        duration=6.0,
+        runs=3000,
+    )
+    row = found.fresh.row(0, named=True)
+    assert row["missing"] == pytest.approx(0.2, abs=0.04)
+    # Seven tenths of all cases are seven eighths of those that can be run.
+    swept = iva.sweep(
+        iva.Siva(mass=0.25, restitution=0.6, gap_mm=4.0),
+        STRUCTURE,
+        over={field: np.linspace(-0.002, 0.002, 2001)},
+        start=iva.Start(displacement_mm=4.0),
+        duration=6.0,
+    )
+    assert row["low"] <= swept.summary["settling_time_5"].quantile(0.7 / 0.8) <= row["high"]
+
+
+def test_a_case_counts_as_worst_if_one_of_its_runs_cannot_be() -> None:
+    # A start 3 mm from the middle lies in gaps of more than 6 mm.
+    found = iva.optimise(
+        iva.Siva(mass=0.25, restitution=0.6),
+        STRUCTURE,
+        choose={"gap_mm": (2, 14)},
+        minimise="gap_mm",
+        within={"settling_time_5": 5.0},
+        worst_over={"gap_displacement": [0.0, 0.003]},
+        start=iva.Start(displacement_mm=4.0),
+        duration=6.0,
+        runs=600,
+    )
+    assert found.best["gap_mm"] == pytest.approx(6.0, abs=0.02)
+    assert found.best["gap_mm"] >= 6.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        # The widest gap, of 14 mm, holds starts up to 7 mm from its middle.
+        (
+            {"start": iva.Start(gap_displacement=0.008)},
+            r"^start\.gap_displacement = 0\.008: it must",
+        ),
+        ({"over": {"displacement_mm": [4.0]}}, r"^absorber\.restitution is missing"),
+    ],
+)
+def test_what_no_design_can_be_run_with_ends_it(changed: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        robust_design(**changed)
+
+
 def test_the_worst_over_a_band_and_two_starts() -> None:
     force = iva.Harmonic(force=5.0, frequency_hz=10.0)
     band = {"force.frequency_hz": [9.5, 10.0, 10.5], "displacement_mm": [0.0, 20.0]}

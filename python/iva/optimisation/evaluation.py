@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from iva import _iva
 from iva.frames import to_polars
 from iva.optimisation.cases import Draw
+from iva.optimisation.points import faults, in_range, rows_of, some_of, study_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    import polars as pl
 
     from iva.optimisation.criteria import Numbers
     from iva.optimisation.logbook import Logbook
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 
 #: Runs of one batch, so that their rows stay small.
 BATCH = 1 << 16
-#: Cases that are looked at before any is run.
-CHECKED = 256
 #: Above every value of a measure: what passes a bound is worse than all that keep them.
 PASSES = 1e60
 #: Above every value as well, but below :data:`PASSES`: a number that is missing.
@@ -159,7 +156,7 @@ class Evaluation:
         """
         problem = self.problem
         shape = (len(values), last - first, problem.runs_a_case)
-        rows = self.rows(variant, values, draw.cases(first, last), shape)
+        rows = rows_of(problem, variant, values, draw.cases(first, last), shape)
         found = self._logbook.entry(rows, lambda: self.measures(variant, rows), len(self._measured))
         self.spent += int(np.prod(shape))
         if self._report is not None:
@@ -167,40 +164,37 @@ class Evaluation:
         worst = found.reshape(len(self._measured), *shape).max(axis=-1)
         return np.moveaxis(worst, 0, 1)
 
-    def rows(
-        self, variant: int, values: Numbers, cases: dict[str, Numbers], shape: tuple[int, ...]
-    ) -> list[tuple[str, Numbers]]:
-        """Return the points to run, a column a field: designs, cases in each, the worst in each."""
-        uncertain = self.problem.uncertain[variant]
-        columns: list[tuple[str, Numbers]] = []
-        for index, key in enumerate(self.problem.variants[variant].choices):
-            of_key = uncertain.offset(key, values[:, index], cases)
-            columns.append((key, np.broadcast_to(of_key[:, :, None], shape).ravel()))
-        for key, of_cases in uncertain.values(cases).items():
-            columns.append((key, np.broadcast_to(of_cases[None, :, None], shape).ravel()))
-        worst = self.problem.worst_over
-        for key, axis in zip(worst, np.meshgrid(*worst.values(), indexing="ij"), strict=True):
-            columns.append((key, np.broadcast_to(axis.ravel(), shape).ravel()))
-        return columns
-
     def measures(self, variant: int, rows: list[tuple[str, Numbers]]) -> Numbers:
         """Run some points; return the badness of every measure in each, shape (m, n).
 
-        A point with a field out of its range cannot be run, and has no value.
+        A point with a field out of its range, or with fields that do not fit each other, cannot be
+        run, and has no value.
         """
         names = [goal.column for goal in self._measured]
         good = in_range(rows)
         found = np.full((len(names), good.size), np.inf)
         if not good.any():
             return found
-        possible = [(key, values[good]) for key, values in rows]
-        study = study_of(self.problem.variants[variant].spec, possible, names)
-        summary = to_polars(study.run(self._threads)["summary"])
+        spec = self.problem.variants[variant].spec
+        try:
+            summary = self.summary(spec, some_of(rows, good), names)
+        except ValueError:
+            # Only now, for to look at every point takes some time.
+            good[good] = [one is None for one in faults(spec, some_of(rows, good))]
+            if not good.any():
+                return found
+            summary = self.summary(spec, some_of(rows, good), names)
         for place, goal in enumerate(self._measured):
             values = summary[goal.column].cast(float).fill_null(np.nan).to_numpy()
             bad = -values if goal.larger else values
             found[place, good] = np.where(np.isnan(bad), np.inf, bad)
         return found
+
+    def summary(
+        self, spec: Spec, rows: list[tuple[str, Numbers]], names: list[str]
+    ) -> pl.DataFrame:
+        """Return the measures of some points that can be run, a row a point."""
+        return to_polars(study_of(spec, rows, names).run(self._threads)["summary"])
 
     def numbers(self, candidate: Candidate, cases: slice = slice(None)) -> Numbers:
         """Return the badness of each goal, then of each bounded measure, over some of its cases."""
@@ -231,62 +225,6 @@ class Evaluation:
         limits = self.problem.limits
         bad = numbers[len(self.problem.goals) :]
         return float(sum(limit.excess(one) for limit, one in zip(limits, bad, strict=True)))
-
-
-def study_of(spec: Spec, rows: Sequence[tuple[str, Numbers]], names: Sequence[str]) -> _iva.Study:
-    """Return the study of some points.
-
-    Raises
-    ------
-    ValueError
-        If a field is unknown or a value out of range, in the words of :func:`iva.optimise`.
-    """
-    listed = [(key, values.tolist()) for key, values in rows]
-    try:
-        return _iva.Study(spec, ("rows", listed, 0), ["summary"], names)
-    except ValueError as wrong:
-        text = re.sub(r"^sweep\.(\S+)\[\d+\] =", r"\1 =", str(wrong))
-        text = re.sub(r"^sweep\.(\S+) = \d+ values", r"\1", text).replace("sweep key = ", "")
-        raise ValueError(text.replace("sweep.", "")) from None
-
-
-def in_range(rows: Sequence[tuple[str, Numbers]]) -> NDArray[np.bool_]:
-    """Return which points have all fields in their ranges.
-
-    Raises
-    ------
-    ValueError
-        If a field is unknown.
-    """
-    each = [np.array(_iva.in_range(key, values.tolist())) for key, values in rows]
-    return np.asarray(np.all(each, axis=0))
-
-
-def check(problem: Problem, draws: Sequence[Draw]) -> None:
-    """Check both ends of what may be chosen, before anything is run.
-
-    Raises
-    ------
-    ValueError
-        If a scene at an end is invalid where all else has its median, or half the cases of the
-        middle of the box or more are out of range.
-    """
-    for variant, uncertain in enumerate(problem.uncertain):
-        spec, choices = problem.variants[variant].spec, problem.variants[variant].choices
-        values = {key: np.array([one.low, one.high]) for key, one in choices.items()}
-        values |= {key: np.full(2, middle) for key, middle in uncertain.medians.items()}
-        values |= {key: np.full(2, axis[0]) for key, axis in problem.worst_over.items()}
-        study_of(spec, list(values.items()), [goal.column for goal in problem.measured])
-        cases = draws[variant].cases(0, CHECKED)
-        for key, choice in choices.items():
-            middle = np.array([(choice.low + choice.high) / 2])
-            values[key] = uncertain.offset(key, middle, cases)[0]
-        values |= uncertain.values(cases)
-        for key, of_cases in values.items():
-            good = in_range([(key, of_cases)])
-            if good.mean() <= 0.5:
-                wrong = of_cases[~good][0]
-                study_of(spec, [(key, np.array([wrong]))], [])
 
 
 def energy(evaluation: Evaluation, candidate: Candidate, weighed: Weighing) -> float:

@@ -183,9 +183,8 @@ class Optimum:
             lines[-1] += f" ({self._problem.variants[self.best_absorber].label})"
         lines += [f"  {sentence(row)}" for row in self.fresh.iter_rows(named=True)]
         if any(row["value"] is None for row in self.fresh.iter_rows(named=True)):
-            lines.append(
-                "  a measure is missing in too many cases: make the run longer, or take another"
-            )
+            rule = "make the run longer, take another, or choose what can be run"
+            lines.append(f"  a measure is missing in too many cases: {rule}")
         lines += [f"  {key} is at the {end} of its choices" for key, end in self.at_ends().items()]
         if self.fresh.is_empty():
             lines.append("  not judged by fresh cases: the search was stopped before")

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from iva.optimisation.cases import Draw
-from iva.optimisation.evaluation import Candidate, Evaluation, Weighing, check
+from iva.optimisation.evaluation import Candidate, Evaluation, Weighing
 from iva.optimisation.plan import Plan, plan_of
 from iva.optimisation.plateau import around, told_apart
+from iva.optimisation.points import check
 from iva.optimisation.race import raced
 from iva.optimisation.search import (
     by_directions,
