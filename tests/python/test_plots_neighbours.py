@@ -81,6 +81,54 @@ def test_the_ridge_of_what_is_robust_is_left_as_it_is() -> None:
     assert label == "5 % settling time ωₙt₅\n90 % of the neighbours"
 
 
+@pytest.mark.parametrize("count", [4, 12], ids=["as it is", "steadied"])
+def test_a_ridge_has_a_gap_where_nothing_impacts(count: int) -> None:
+    damping = 0.02
+    # The mass stays where it is until the first impact, and the structure swings from 1 to −δ.
+    reach = 1.0 + np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
+    clearances = np.linspace(0.4, 3.6, count)
+    table = iva.sweep(
+        iva.Siva(restitution=0.6),
+        iva.Primary(damping_ratio=damping),
+        over={"relative_clearance": clearances, "mass_ratio": np.linspace(0.02, 0.2, count)},
+        start=iva.Start(displacement=1.0),
+        periods=60,
+    )
+    axes = plots.heatmap(table, "settling_time_5")
+    [ridge] = axes.lines
+    assert np.isnan(np.asarray(ridge.get_ydata())).tolist() == (clearances > reach).tolist()
+
+
+def test_a_map_without_impacts_has_no_ridge() -> None:
+    table = iva.sweep(
+        iva.Siva(restitution=0.6),
+        iva.Primary(damping_ratio=0.02),
+        over={"clearance": [2.5, 3.0], "mass_ratio": [0.1, 0.2]},
+        start=iva.Start(displacement=1.0),
+        periods=60,
+    )
+    assert table.summary["impacts"].sum() == 0
+    axes = plots.heatmap(table, "settling_time_5")
+    assert not axes.lines
+    assert axes.get_legend() is None
+
+
+def test_a_pendulum_has_a_best_frequency_without_impacts() -> None:
+    table = iva.sweep(
+        iva.Piva(mass_ratio=0.1, restitution=0.6, length=10.0),
+        iva.Primary(damping_ratio=0.02),
+        over={"clearance": [8.0, 9.0], "frequency_ratio": [0.5, 0.8, 1.1]},
+        start=iva.Start(displacement=1.0),
+        periods=60,
+    )
+    assert table.summary["impacts"].sum() == 0
+    [ridge] = plots.heatmap(table, "residual_amplitude").lines
+    times = table.summary.filter(pl.col("clearance") == 8.0).sort("residual_amplitude")
+    assert np.asarray(ridge.get_ydata()).tolist() == 2 * [times["frequency_ratio"][0]]
+    # Of gaps that no pendulum crosses none is the best.
+    assert not plots.heatmap(table, "residual_amplitude", x="frequency_ratio").lines
+
+
 def test_a_map_of_medians_and_its_ridge() -> None:
     smooth, lucky = valley()
     axes = plots.heatmap(mapped(lucky), "settling_time_5", median_of=3)

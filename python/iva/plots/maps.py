@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from matplotlib import patheffects
@@ -21,13 +21,17 @@ from iva.plots.arguments import (
     once,
     swept_key,
 )
-from iva.plots.axis_units import colour_bar, in_millimetres, name_axis
+from iva.plots.axis_units import ROUNDING, colour_bar, in_millimetres, name_axis
 from iva.plots.labels import judgement, of_column, symbol_of
 from iva.plots.legends import legend_above
 from iva.plots.neighbours import checked_window, medians
 from iva.plots.styles import drawing_on
 from iva.spelling import spell_checked
 from iva.tables import Table
+
+if TYPE_CHECKING:
+    import polars as pl
+    from numpy.typing import NDArray
 
 #: The ridge is that of medians over so many points along each side of a window …
 STEADY = 5
@@ -68,7 +72,9 @@ def heatmap(
         have no ridge. So that luck at single points does not make it zigzag, it is steadied where
         the grid has at least 8 values each way, and its legend says so: the best of the medians of
         5 × 5 neighbours, and of that the running median over 5 values across. That of a column of
-        :func:`iva.robust` is left as it is: its neighbours are in it.
+        :func:`iva.robust` is left as it is: its neighbours are in it. The ridge has a gap where the
+        best value is that of several y at which nothing impacts: the absorber does nothing there,
+        and no y is the best.
     limits : {"robust", "all"} or (float, float), default "robust"
         The values at the ends of the colours, ``None`` for the smallest or largest there is.
         "robust": where `best` says what is good, the colours reach from the best value to three
@@ -127,9 +133,10 @@ def heatmap(
     grid[row, column] = values
     # What is judged together with its neighbours is no luck.
     steadied = points == 1 and min(grid.shape) >= FEWEST and not judgement(value)[1]
-    along = steady_ridge if steadied else ridge
     grid = medians(grid, points, WORST[direction])
-    best_rows = None if direction is None else along(rows, grid, direction)
+    idle = np.zeros(grid.shape, dtype=bool)
+    idle[row, column] = without_impacts(summary)
+    best_rows = None if direction is None else ridge(rows, grid, direction, idle, steadied)
     if np.isnan(grid).all():
         rule = "most values are null around every point; give 1"
         raise ValueError(f"median_of = {points}: {rule}")
@@ -161,7 +168,7 @@ def heatmap(
             millimetres=in_mm,
             extend=beyond(grid, low, high),
         )
-        if best_rows is not None:
+        if best_rows is not None and not np.isnan(best_rows).all():
             word = "smallest" if direction == "min" else "largest"
             of = f" (medians of {STEADY} × {STEADY})" if steadied else ""
             outline = [patheffects.withStroke(linewidth=2.4, foreground="white")]
@@ -259,16 +266,52 @@ def beyond(grid: Numbers, low: float, high: float) -> Literal["neither", "min", 
     return "min" if below else "max" if above else "neither"
 
 
-def ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
-    """Return for each column of a grid the row of its best value, NaN where it has none."""
-    worst = -np.inf if direction == "max" else np.inf
-    filled = np.where(np.isnan(grid), worst, grid)
+def without_impacts(summary: pl.DataFrame) -> NDArray[np.bool_]:
+    """Return which points of a summary have no impacts, as far as it tells.
+
+    Of a driven run those are meant that its measures are of, not those of the transient before.
+    """
+    import polars as pl
+
+    names = [name for name in ("impacts_per_cycle", "impacts") if name in summary.columns]
+    if not names:
+        return np.zeros(summary.height, dtype=bool)
+    counted = pl.coalesce(pl.col(name).cast(pl.Float64) for name in names)
+    idle: NDArray[np.bool_] = summary.select((counted == 0).fill_null(False)).to_series().to_numpy()
+    return idle
+
+
+def ridge(
+    rows: Numbers,
+    grid: Numbers,
+    direction: Literal["max", "min"],
+    idle: NDArray[np.bool_],
+    steadied: bool,
+) -> Numbers:
+    """Return for each column of a grid the row of its best value, NaN where it has none.
+
+    Parameters
+    ----------
+    rows : numpy.ndarray, shape (m,)
+        What the rows stand for.
+    grid : numpy.ndarray, shape (m, n)
+        The values.
+    direction : {"max", "min"}
+        Which is the best.
+    idle : numpy.ndarray of bool, shape (m, n)
+        Where there are no impacts. Rows there that are equally good are no optimum.
+    steadied : bool
+        Take what luck at single points moves little.
+    """
+    judged = medians(grid, STEADY, WORST[direction]) if steadied else grid
+    filled = np.where(np.isnan(judged), WORST[direction], judged)
     index = filled.argmax(axis=0) if direction == "max" else filled.argmin(axis=0)
-    return np.where(np.isnan(grid).all(axis=0), np.nan, rows[index])
-
-
-def steady_ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
-    """Return as :func:`ridge` what luck at single points moves little."""
-    best = ridge(rows, medians(grid, STEADY, WORST[direction]), direction)
+    columns = np.arange(index.size)
+    off = ROUNDING * np.nanmax(np.abs(grid), initial=0.0)
+    alike = idle & (np.abs(grid - grid[index, columns]) <= off)
+    no_optimum = idle[index, columns] & (alike.sum(axis=0) > 1)
+    best = np.where(np.isnan(judged).all(axis=0) | no_optimum, np.nan, rows[index])
+    if not steadied:
+        return best
     running: Numbers = medians(best[np.newaxis], STEADY)[0]
     return np.where(np.isnan(best), np.nan, running)
