@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from iva.forces import Force, listed, written
+from iva.forces import Force, listed
 from iva.parameters import Part
+from iva.scene_lines import carried_along, with_frequency
 from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.structures import Structure
@@ -25,7 +26,11 @@ def of_run(run: Run) -> str:
         *(("force", force) for force in listed(run.force)),
         ("start", run.start),
     )
-    parameters = [(name, "none" if part is None else written(part), "") for name, part in named]
+    parts = [part for _, part in named]
+    parameters = [
+        (name, "none" if part is None else with_frequency(part, parts), "") for name, part in named
+    ]
+    parameters += [("", line, "") for line in carried_along(parts)]
     values = [
         (name, text(value), units[name])
         for name, value in row.items()

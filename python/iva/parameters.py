@@ -310,12 +310,16 @@ class Primary(Part):
     mass: float | None = None
 
     def __repr__(self) -> str:
-        """Show what was given and the units that follow from it."""
+        """Show what was given, the units that follow from it, and the frequency in rad/s and Hz."""
         try:
             units = _iva.primary_units(spec(self))
         except ValueError:  # a frequency is still missing
             return constructor(self)
-        return f"{constructor(self)}  # {units}"
+        from iva.scene_lines import in_both, natural_frequency
+
+        frequency = natural_frequency(self)
+        told = units if frequency is None else f"{units}; {in_both(frequency)}"
+        return f"{constructor(self)}  # {told}"
 
 
 @spell_checked

@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from iva import _iva
-from iva.doubts import lasts, warn_of_doubts
-from iva.forces import Force, Impulse, listed, written
+from iva.doubts import warn_of_doubts
+from iva.forces import Force, Impulse, listed
 from iva.frames import Frames, from_arrow, to_polars
 from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
 from iva.structures import Structure
-from iva.units import Units, from_metadata, given_in_mm
+from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ class Run(RunTables):
         force: Force | Sequence[Force] | None = None,
         verification: Verification | None = None,
         gradients: Gradients | None = None,
+        measured: Sequence[str] | None = None,
     ) -> None:
         super().__init__(frames)
         self.absorber = absorber
@@ -72,6 +73,7 @@ class Run(RunTables):
         self.units = units
         self._spec = spec
         self._verification = verification
+        self._measured = measured
         self.gradients = gradients or Gradients({})
 
     @property
@@ -279,40 +281,9 @@ class Run(RunTables):
 
     def __repr__(self) -> str:
         """Show the outcome, some measures, the scene and the units."""
-        row = self.summary.row(0, named=True)
-        counts = ", ".join(
-            f"{row[name]} {label}"
-            for name, label in (
-                ("impacts", "impacts"),
-                ("effective_impacts", "effective"),
-                ("episodes", "episodes"),
-                ("undecided", "undecided contacts"),
-            )
-            if row[name] is not None and (name != "undecided" or row[name])
-        )
-        names: tuple[str, ...] = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
-        if row["amplitude_max"] is not None:
-            names = ("amplitude_max", "reduction", "transmissibility", "impacts_per_cycle")
-        lines = [f"Run: {row['outcome']}; {counts}"]
-        if self.absorber is None:  # nothing to count, and nothing to compare with
-            lines = [f"Run: {row['outcome']}"]
-            names = tuple(name for name in names if name not in ("reduction", "impacts_per_cycle"))
-        in_mm = self.units["summary"] if given_in_mm(self._spec) else {}
+        from iva.run_lines import run_lines
 
-        def said(name: str) -> str:
-            metric = in_mm.get(name) == "m"
-            return f"{name} {1000.0 * row[name]:.4g} mm" if metric else f"{name} {row[name]:.4g}"
-
-        if shown := [said(name) for name in names if row[name] is not None]:
-            lines.append(f"  {', '.join(shown)}")
-        if lasts(self._spec) and "impacts" in self._frames.names:
-            times, hit = (self.impacts[name].to_list() for name in ("time", "absorber"))
-            if contacts := _iva.verdict_on_contacts(self._spec, times, hit):
-                lines.append(f"  {contacts}")
-        parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
-        lines += [f"  {written(part)}" for part in parts]
-        lines.append(f"  {self.units}")
-        return "\n".join(lines)
+        return "\n".join(run_lines(self))
 
     def _repr_html_(self) -> str:
         """Show parameters, outcome, measures and units in a notebook."""
@@ -502,6 +473,7 @@ def simulate(
         kept,
         verified(spec, *asked) if verify else None,
         differentiated(spec, by, *asked),
+        measured,
     )
 
 

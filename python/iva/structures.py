@@ -87,7 +87,8 @@ class Structure:
         The number of the mode whose frequency is the natural one; by default the first.
     start_displacements, start_velocities : sequence of float, shape (n,), optional
         Start of the coordinates of matrices in m and m/s, or of the modes in m kg^(1/2) and its
-        rate; added to what ``start`` says.
+        rate; added to what ``start`` says. Absorbers are carried along: each starts with the
+        velocity of its point, to which its ``start.gap_velocity`` is added.
 
     Raises
     ------

@@ -48,7 +48,8 @@ def test_the_stable_orbit_has_its_columns() -> None:
     for name in ("displacement", "velocity", "gap_displacement", "gap_velocity"):
         assert strobes[name][:-1].to_numpy() == pytest.approx(states[name].to_numpy(), abs=1e-12)
     assert strobes["displacement"].to_numpy().std() < 1e-9
-    assert "amplitude_max 0.3533, reduction 0.8587, impacts_per_cycle 2" in repr(run)
+    told = "amplitude_max 0.3533 units of length, without absorber 2.5 units of length"
+    assert f"{told}, reduction 0.8587, impacts_per_cycle 2\n" in repr(run)
 
 
 def test_free_decay_has_none_of_them() -> None:

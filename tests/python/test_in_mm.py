@@ -57,7 +57,8 @@ def test_what_is_printed_of_a_run_in_mm() -> None:
         force=iva.Harmonic(force=2.0, relative_frequency=1.0),
         cycles=60,
     )
-    assert f"amplitude_max {amplitude:.4g}," in repr(metric)
+    # In millimetres as well, so that it can be compared with the other.
+    assert f"amplitude_max {1000 * amplitude:.4g} mm," in repr(metric)
 
 
 def test_a_table() -> None:

@@ -51,7 +51,7 @@ def test_repr(bare: iva.Run) -> None:
     row = bare.summary.row(0, named=True)
     assert repr(bare).splitlines() == [
         "Run: finished",
-        f"  settling_time_5 {row['settling_time_5']:.4g}, damping_ratio_3 0.02, "
+        f"  settling_time_5 {row['settling_time_5']:.4g}/ωn, damping_ratio_3 0.02, "
         f"residual_amplitude {row['residual_amplitude']:.4g}",
         "  no absorber",
         "  Primary(damping_ratio=0.02)",

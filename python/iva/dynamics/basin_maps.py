@@ -14,8 +14,9 @@ from iva.dynamics.diagrams import MOST_CYCLES, single
 from iva.dynamics.inventories import Attractors
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
-from iva.forces import Harmonic, written
+from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
 
@@ -137,7 +138,7 @@ class Basins:
             boundary = "" if of is None else f", of the boundary {of:.4g}"
             lines.append(f"  entropy {self.entropy:.4g}{boundary} (boxes of {self.side} cells)")
         parts = (self.absorber, self.primary, self.force, self.start)
-        lines += [f"  {written(part)}" for part in parts]
+        lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 

@@ -10,9 +10,9 @@ from iva.dynamics.branch_measures import measured
 from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed, Orbit, rounded
 from iva.dynamics.search import orbit_of, whole
-from iva.forces import written
 from iva.parameters import shown, spec
 from iva.progress import Progress, reporting
+from iva.scene_lines import scene_lines
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -303,7 +303,7 @@ class Branch:
         ]
         lines += [f"  {point.kind} at {point.value:.12g}" for point in self.points]
         parts = (self.scene.absorber, self.scene.primary, self.scene.force)
-        lines += [f"  {written(part)}" for part in parts]
+        lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.scene.primary))}")
         return "\n".join(lines)
 

@@ -9,9 +9,10 @@ from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import NAMES, start_of, whole
-from iva.forces import Harmonic, written
+from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
 from iva.progress import Progress, reporting
+from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
 
@@ -128,7 +129,7 @@ class Diagram:
             f"  {self.keep} strobes each after {self.discard} periods, {bad} values not finished",
         ]
         parts = (self.absorber, self.primary, self.force, self.start)
-        lines += [f"  {written(part)}" for part in parts]
+        lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 

@@ -10,8 +10,9 @@ from iva.dynamics.diagrams import MOST_CYCLES, single
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
-from iva.forces import Harmonic, written
+from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
 
@@ -105,7 +106,7 @@ class Spectrum:
             f"  dimension {self.dimension:.4g}, {self.impacts_per_cycle:.6g} impacts per period, "
             f"{self.rides} rides in {self.cycles} periods, {self.outcome}",
         ]
-        lines += [f"  {written(part)}" for part in (self.absorber, self.primary, self.force)]
+        lines += [f"  {line}" for line in scene_lines(self.absorber, self.primary, self.force)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 

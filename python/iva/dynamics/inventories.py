@@ -11,8 +11,9 @@ from iva.dynamics.diagrams import MOST_CYCLES, single
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
-from iva.forces import Harmonic, written
+from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
 
@@ -175,7 +176,7 @@ class Attractors:
             for name, (low, high) in zip(NAMES, self.box, strict=True)
         )
         lines.append(f"  starts in {', '.join(ranges)}")
-        lines += [f"  {written(part)}" for part in (self.absorber, self.primary, self.force)]
+        lines += [f"  {line}" for line in scene_lines(self.absorber, self.primary, self.force)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
-from iva.forces import Harmonic, written
+from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.scene_lines import scene_lines
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -283,7 +284,7 @@ class Orbit:
         lines.append(f"  multipliers {', '.join(rounded(one) for one in self.multipliers)}")
         lines += [f"  {', '.join(known)}"] if known else []
         parts = (self.absorber, self.primary, self.force, self.start)
-        lines += [f"  {written(part)}" for part in parts]
+        lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 
