@@ -102,8 +102,8 @@ def test_a_cell_is_where_a_run_ends(pair: tuple[dict[str, Any], dynamics.Basins]
 def test_pictures_have_units(pair: tuple[dict[str, Any], dynamics.Basins]) -> None:
     _, found = pair
     axes = iva.plots.basins(found)
-    assert axes.get_xlabel() == "start displacement x₀ (unit of x₀)"
-    assert axes.get_ylabel() == "start velocity ẋ₀ (unit of x₀ · ωₙ)"
+    assert axes.get_xlabel() == "start displacement x₀ (unit of length)"
+    assert axes.get_ylabel() == "start velocity ẋ₀ (unit of length · ωₙ)"
     legend = axes.get_legend()
     assert legend is not None
     assert len(legend.get_texts()) >= len(found.attractors)

@@ -184,7 +184,7 @@ def test_pictures_say_what_they_show(branch: dynamics.Branch) -> None:
     asymmetric = branch.switch(1)
     assert isinstance(asymmetric, dynamics.Branch)
     axes = iva.plots.branch([branch, asymmetric], "largest_multiplier")
-    assert axes.get_xlabel() == "clearance d (unit of x₀)"
+    assert axes.get_xlabel() == "clearance d (unit of length)"
     # Where an impact vanishes a multiplier has no bound: it does not take the whole axis.
     assert (branch.table["largest_multiplier"] > 100.0).any()
     assert axes.get_ylim() == (0.0, 10.0)

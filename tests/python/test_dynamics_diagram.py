@@ -131,8 +131,8 @@ def test_bad_input_is_one_sentence() -> None:
 
 def test_pictures_have_units(found: dynamics.Diagram) -> None:
     axes = iva.plots.diagram(found)
-    assert axes.get_xlabel() == "clearance d (unit of x₀)"
-    assert axes.get_ylabel() == "x at the strobes (unit of x₀)"
+    assert axes.get_xlabel() == "clearance d (unit of length)"
+    assert axes.get_ylabel() == "x at the strobes (unit of length)"
     legend = axes.get_legend()
     assert legend is not None
     assert {text.get_text() for text in legend.get_texts()} == {"upwards", "downwards"}
@@ -161,7 +161,7 @@ def test_sections_are_states_of_the_run() -> None:
     for hit, time in zip(plus["velocity"], plus["time"], strict=True):
         assert run.at([time - 1e-9])["velocity"].item() == pytest.approx(hit, abs=1e-6)
     axes = iva.plots.section(run, "wall+", x="velocity", y="gap_velocity")
-    assert axes.get_ylabel() == "gap velocity w (unit of x₀ · ωₙ)"
+    assert axes.get_ylabel() == "gap velocity w (unit of length · ωₙ)"
     short = iva.simulate(siva, PRIMARY, force=FORCE, start=start, cycles=3, tables=("impacts",))
     with pytest.raises(ValueError, match="stroboscope"):
         dynamics.section(short)

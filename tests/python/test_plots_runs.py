@@ -145,7 +145,7 @@ def test_velocities_jump(scene: str, request: pytest.FixtureRequest) -> None:
             at = np.flatnonzero(time == row["time"])
             assert velocity[at[0]] == pytest.approx(row[f"{name}_before"], abs=1e-12)
             assert velocity[at[1]] == pytest.approx(row[f"{name}_after"], abs=1e-12)
-    unit = "(unit of x₀ · ωₙ)" if scene == "run" else "(m/s)"
+    unit = "(unit of length · ωₙ)" if scene == "run" else "(m/s)"
     assert axes.get_ylabel() == f"velocity ẋ, ẋ₁ {unit}"
 
 
@@ -174,7 +174,7 @@ def test_phase_plane(scene: str, relative: bool, request: pytest.FixtureRequest)
         assert segments[:, 0, 1].tolist() == run.impacts["velocity_before"].to_list()
         assert segments[:, 1, 1].tolist() == run.impacts["velocity_after"].to_list()
         assert x[~np.isnan(x)].tolist() == motion["displacement"].to_list()
-    unit = "unit of x₀" if scene == "run" else "mm"
+    unit = "unit of length" if scene == "run" else "mm"
     words = "gap displacement y" if relative else "displacement x"
     assert axes.get_xlabel() == f"{words} ({unit})"
 
@@ -195,7 +195,7 @@ def test_accelerations_are_those_of_the_trajectory(
     for wall, label in ((1, "impacts, wall +"), (-1, "impacts, wall −")):
         side = run.impacts.filter(pl.col("wall") == wall)
         assert line(axes, label)[0].tolist() == side["time"].to_list()
-    unit = "(unit of x₀ · ωₙ²)" if scene == "run" else "(m/s²)"
+    unit = "(unit of length · ωₙ²)" if scene == "run" else "(m/s²)"
     assert axes.get_ylabel() == f"acceleration a, a₁ {unit}"
 
 

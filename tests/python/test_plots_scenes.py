@@ -94,7 +94,7 @@ def test_scenes_are_to_scale(scene: str) -> None:
         now = next(one for one in below.lines if one.get_marker() == "o")
         assert np.asarray(now.get_ydata()).tolist() == [x]
     assert above.get_aspect() == 1.0
-    assert below.get_ylabel() == "x (unit of x₀)"
+    assert below.get_ylabel() == "x (unit of length)"
     limits = above.get_xlim()
     assert limits[0] < mass()[0] < limits[1]
 

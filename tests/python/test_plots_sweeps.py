@@ -162,7 +162,7 @@ def test_forced_response_and_theory(response: iva.Table) -> None:
         "theory, unstable",
     }
     assert axes.get_xlabel() == "force frequency Ω/ωₙ"
-    assert axes.get_ylabel() == "amplitude max |x| (unit of x₀)"
+    assert axes.get_ylabel() == "amplitude max |x| (unit of length)"
     assert axes.get_yscale() == "log"
 
 

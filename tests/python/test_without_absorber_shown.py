@@ -59,7 +59,7 @@ def test_repr(bare: iva.Run) -> None:
         f"  {bare.units}",
     ]
     driven = repr(alone(0.05, **RESONANT))
-    assert driven.splitlines()[1] == "  amplitude_max 1"
+    assert driven.splitlines()[1] == "  amplitude_max 1 unit of length"
     assert driven.splitlines()[4] == "  Harmonic(amplitude=0.1, frequency=1.0)"
 
 
@@ -120,7 +120,7 @@ def test_pictures_of_velocities_and_the_phase_plane(bare: iva.Run) -> None:
     axes = plots.velocities(bare)
     assert labels(axes) == ["structure ẋ"]
     assert line(axes, "structure ẋ")[1].tolist() == motion["velocity"].to_list()
-    assert axes.get_ylabel() == "velocity ẋ (unit of x₀ · ωₙ)"
+    assert axes.get_ylabel() == "velocity ẋ (unit of length · ωₙ)"
     axes = plots.phase(bare)
     assert labels(axes) == ["flight", "start"]
     x, v = line(axes, "flight")

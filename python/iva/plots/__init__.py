@@ -9,7 +9,8 @@ Data coordinates are those of the tables, in SI units where those are. Tick labe
 may have a prefix: lengths are in mm where they were given in mm or are all smaller than 0.1 m;
 m/s, m/s², J, N, N s and N/m have one where everything is smaller than 0.01, and all have one from
 10 000 on. ``axes.set_ylim(-0.005, 0.005)`` ends an axis of displacements at 5 mm, whether it is
-labelled in m or in mm.
+labelled in m or in mm. Where lengths have no unit of their own, axes say "unit of length": that in
+which the scene gives its lengths, the clearance among them.
 
 Needs matplotlib: ``pip install 'iva-dynamics[plots]'``.
 

@@ -86,7 +86,7 @@ def branch(
     >>> found = iva.dynamics.follow(first, over="clearance", between=(3.0, 8.0))
     >>> axes = branch(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('clearance d (unit of x₀)', 'amplitude max |x| (unit of x₀)')
+    ('clearance d (unit of length)', 'amplitude max |x| (unit of length)')
     """
     given = listed(branches)
     if y not in COLUMNS:

@@ -105,9 +105,9 @@ def unit_text(unit: str) -> str:
     Examples
     --------
     >>> unit_text("length of displacement · ωn")
-    'unit of x₀ · ωₙ'
+    'unit of length · ωₙ'
     """
-    return unit.replace("length of displacement", "unit of x₀").replace("ωn", "ωₙ")
+    return unit.replace("length of displacement", "unit of length").replace("ωn", "ωₙ")
 
 
 def labelled(words: str, symbol: str, unit: str) -> str:

@@ -64,7 +64,7 @@ def phase(
     ...     periods=6,
     ... )
     >>> phase(run, relative=True).get_xlabel()
-    'gap displacement y (unit of x₀)'
+    'gap displacement y (unit of length)'
     """
     truth("relative", relative)
     if checked_run(run, several=True, modes=True).absorber is None and relative:

@@ -77,7 +77,7 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
     >>> found = iva.dynamics.diagram(siva, primary, force=force, over=clearances)
     >>> axes = diagram(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('clearance d (unit of x₀)', 'x at the strobes (unit of x₀)')
+    ('clearance d (unit of length)', 'x at the strobes (unit of length)')
     """
     if not isinstance(diagram, Diagram):
         raise TypeError(f"diagram = {shown(diagram)}: give that of iva.dynamics.diagram")
@@ -158,7 +158,7 @@ def section(
     ...     cycles=400,
     ... )
     >>> section(run, discard=100).get_xlabel()
-    'displacement x (unit of x₀)'
+    'displacement x (unit of length)'
     """
     frame = dynamics.section(checked_run(run), at, discard=discard)  # type: ignore[arg-type]
     units = run.units["trajectory"]
@@ -209,7 +209,7 @@ def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Ax
     >>> found = iva.dynamics.basins(siva, primary, force=force, over=over)
     >>> axes = basins(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('start displacement x₀ (unit of x₀)', 'start velocity ẋ₀ (unit of x₀ · ωₙ)')
+    ('start displacement x₀ (unit of length)', 'start velocity ẋ₀ (unit of length · ωₙ)')
     """
     if not isinstance(basins, Basins):
         raise TypeError(f"basins = {shown(basins)}: give those of iva.dynamics.basins")
