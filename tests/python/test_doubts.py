@@ -104,8 +104,8 @@ def test_metres_for_millimetres() -> None:
 def test_contacts_that_are_no_impacts() -> None:
     # 63.2 rad/s have a period of 99.3 ms.
     assert run(siva(gap_mm=5.0, contact_time=0.02), {"displacement_mm": 4.0}) == [
-        "a contact of the absorber lasts 20.13 % of a natural period: impacts take no time here, and "
-        "contacts that last more than some 5 % change the motion"
+        "a contact of the absorber lasts 20.13 % of a natural period: impacts take no time here, "
+        "and contacts that last more than some 5 % change the motion"
     ]
     # With e = 1 half a period of a spring: π √(m/k), m = 3 · 0.1/1.1 kg.
     soft = iva.Siva(mass_ratio=0.1, restitution=1.0, gap_mm=5.0, contact_stiffness=1_000.0)
