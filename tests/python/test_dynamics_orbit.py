@@ -9,6 +9,7 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import iva
@@ -430,7 +431,35 @@ def test_bad_input_is_refused_in_a_sentence(
 
 
 def test_unlike_walls_have_no_symmetric_orbit() -> None:
-    for change in ({"restitution_minus": 0.5}, {"gap_offset": 0.1}):
-        siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5, **change)
-        with pytest.raises(ValueError, match=r"symmetric = True: the mirror image of a motion"):
-            dynamics.orbit(siva, PRIMARY, force=FORCE, start=STATE, symmetric=True)
+    siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5, restitution_minus=0.5)
+    with pytest.raises(ValueError, match=r"symmetric = True: the mirror image of a motion"):
+        dynamics.orbit(siva, PRIMARY, force=FORCE, start=STATE, symmetric=True)
+
+
+def test_an_offset_of_the_gap_moves_the_origin_of_y_only() -> None:
+    middle = 0.3
+
+    def scene(clearance: float, offset: float) -> iva.Siva:
+        return iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=clearance, gap_offset=offset)
+
+    for clearance, symmetric in ((4.5, True), (3.4, False)):
+        one, other = (
+            dynamics.orbit(
+                scene(clearance, offset),
+                PRIMARY,
+                force=FORCE,
+                start=(0.0, 0.0, offset, 0.1),
+                settle=400,
+            )
+            for offset in (0.0, middle)
+        )
+        assert isinstance(one, dynamics.Orbit)
+        assert isinstance(other, dynamics.Orbit)
+        assert (one.symmetric, other.symmetric) == (symmetric, symmetric)
+        moved = np.array(other.state) - [0.0, 0.0, middle, 0.0]
+        assert moved == pytest.approx(np.array(one.state), abs=1e-9)
+        image = np.array(other.mirror().state) - [0.0, 0.0, middle, 0.0]
+        assert image == pytest.approx(np.array(one.mirror().state), abs=1e-9)
+        assert np.array(other.multipliers) == pytest.approx(np.array(one.multipliers), abs=1e-8)
+    found = dynamics.attractors(scene(3.4, middle), PRIMARY, force=FORCE, starts=30)
+    assert [(attractor.name, attractor.pair) for attractor in found.attractors] == [("3:1", True)]

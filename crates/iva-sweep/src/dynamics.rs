@@ -136,7 +136,7 @@ pub fn orbit(
     let odd = asked.periods % 2 == 1;
     if asked.symmetric == Some(true) && !(family.mirrors && odd) {
         let rule = if odd {
-            "the mirror image of a motion is one only with like walls in the middle and a level line of motion"
+            "the mirror image of a motion is one only with like walls and a level line of motion"
         } else {
             "an orbit of an even number of periods is never its own mirror image half a cycle later"
         };
@@ -221,7 +221,12 @@ impl SeenAt {
             let description = description.seen_from(begin, length);
             family.course(&State { time: begin, ..state }, &description, length)
         };
-        let image = || course(mirrored(later), description.clone().mirrored(self.shift * length));
+        let image = || {
+            course(
+                mirrored(later, family.middle),
+                description.clone().mirrored(self.shift * length),
+            )
+        };
         Ok((course(*at, description.clone()), family.mirrors.then(image)))
     }
 }

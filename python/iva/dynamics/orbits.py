@@ -223,6 +223,8 @@ class Orbit:
     def mirror(self) -> Orbit:
         """Return the mirrored orbit: minus this motion, half a period of the force later.
 
+        Gap displacements are mirrored about the middle of the gap.
+
         Of an odd number of periods it is minus the motion half a cycle later, which is one of the
         same orbits. Its state and start are at the same phase of the force as those of this orbit.
         A symmetric orbit is its own mirror image.
@@ -230,8 +232,8 @@ class Orbit:
         Raises
         ------
         ValueError
-            If minus a motion is no motion: the walls are unlike, their middle is not at 0, or the
-            line of motion is not level.
+            If the mirror image of a motion is no motion: the walls are unlike, or the line of
+            motion is not level.
         """
         if self.image is None:
             raise ValueError("mirror: walls that are not alike, or a slope, have no mirror image")

@@ -71,9 +71,9 @@ pub(super) struct Passed<State> {
     pub rides: Vec<Flown<State>>,
 }
 
-/// y of a wall.
+/// y of a wall, from the middle of the gap.
 fn place<S: Coordinates>(system: &S, wall: Wall) -> f64 {
-    system.offset() + system.clearance() * wall.sign()
+    system.clearance() * wall.sign()
 }
 
 /// The state after a flight that is not ended by walls, and the derivative with respect to the state at its begin.

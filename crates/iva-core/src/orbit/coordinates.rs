@@ -9,8 +9,9 @@ use crate::host::Host;
 use crate::measures::propagation::Differentiable;
 use crate::number::real::Real;
 
-/// An absorber whose states in flight follow from four numbers and the phase of the drive: x, ẋ, y and ẏ (W = b θ̇ in place of ẏ
-/// for a pendulum).
+/// An absorber whose states in flight follow from four numbers and the phase of the drive: x, ẋ, y from the middle of the gap and
+/// ẏ (W = b θ̇ in place of ẏ for a pendulum). Where walls are alike and the motion is level, minus these numbers are those of the
+/// mirror image.
 pub trait Numbered: Absorber {
     /// These numbers of a state.
     fn numbers(&self, state: &Self::State) -> [Self::Real; 4];
@@ -39,10 +40,10 @@ pub trait Coordinates: Differentiable + Numbered {
     }
 }
 
-/// y from the distance to a wall.
-fn gap_displacement<S: Absorber>(system: &S, state: &S::State) -> S::Real {
+/// y from the middle of the gap, by the distance to a wall.
+fn from_middle<S: Absorber>(system: &S, state: &S::State) -> S::Real {
     let side = system.wall(state).sign();
-    system.offset() + (system.clearance() - system.distance(state).value) * side
+    (system.clearance() - system.distance(state).value) * side
 }
 
 impl<R: Real, H: Host<Real = R>> Numbered for Siva<H>
@@ -52,11 +53,12 @@ where
     fn numbers(&self, state: &Self::State) -> [R; 4] {
         let (primary, side) = (self.primary(state), self.wall(state).sign());
         let rate = self.distance(state).rate;
-        [primary.x, primary.v, gap_displacement(self, state), rate * -side]
+        [primary.x, primary.v, from_middle(self, state), rate * -side]
     }
 
     fn numbered(&self, numbers: [R; 4]) -> Start<R> {
-        let [displacement, velocity, gap_displacement, gap_velocity] = numbers;
+        let [displacement, velocity, from_middle, gap_velocity] = numbers;
+        let gap_displacement = self.offset() + from_middle;
         Start { displacement, velocity, gap_displacement, gap_velocity }
     }
 }
@@ -88,7 +90,7 @@ where
         let primary = self.primary(state);
         let rate = self.angle(state).map_or(R::NAN, |angle| angle.rate);
         let w = rate * self.parameters().contact_distance;
-        [primary.x, primary.v, gap_displacement(self, state), w]
+        [primary.x, primary.v, from_middle(self, state), w]
     }
 
     fn numbered(&self, numbers: [R; 4]) -> PivaStart<R> {

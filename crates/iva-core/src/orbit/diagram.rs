@@ -50,9 +50,9 @@ fn put<S: Coordinates + Clone>(
     at: &Vector4<f64>,
 ) -> Option<Trajectory<S>> {
     let Trajectory { system, cycle, .. } = trajectory;
-    let (offset, clearance) = (system.offset(), system.clearance());
+    let clearance = system.clearance();
     let mut at = *at;
-    at[2] = at[2].clamp(offset - clearance, offset + clearance);
+    at[2] = at[2].clamp(-clearance, clearance);
     let start = system.start_at(&at)?;
     let state = system.begin_at(&start, Clock::new(cycle.begin));
     Some(trajectory.from(&state))

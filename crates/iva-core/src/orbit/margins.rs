@@ -101,7 +101,7 @@ pub(super) fn extrema<S: Coordinates>(
     let go_on = |state: &S::State| system.flight(state);
     turnings(flights, cycle, go_on, rates, |(flight, time), (motion, h), before| {
         let wall = if before > 0.0 { Wall::Plus } else { Wall::Minus };
-        let place = system.coordinates(&motion.state(h))[2] - system.offset();
+        let place = system.coordinates(&motion.state(h))[2];
         let margin = system.clearance() - wall.sign() * place;
         found.push(Extremum { flight, wall, time, margin });
     });

@@ -34,12 +34,12 @@ impl Family {
     }
 }
 
-/// The mirror image of a state.
-pub(super) fn mirrored(state: &State) -> State {
+/// The mirror image of a state, about the middle of the gap.
+pub(super) fn mirrored(state: &State, middle: f64) -> State {
     State {
         displacement: -state.displacement,
         velocity: -state.velocity,
-        gap_displacement: -state.gap_displacement,
+        gap_displacement: 2.0 * middle - state.gap_displacement,
         gap_velocity: -state.gap_velocity,
         wall: -state.wall,
         acceleration: -state.acceleration,

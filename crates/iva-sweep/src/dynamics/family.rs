@@ -32,6 +32,8 @@ pub struct Family {
     pub amplitude: f64,
     /// True if the mirror image of a motion half a period later is a motion: the walls are alike, and the motion level.
     pub mirrors: bool,
+    /// The middle of the gap, as a value of y.
+    pub middle: f64,
     /// True if a pendulum has an angle to report.
     pub has_angle: bool,
     /// Factors from natural units to the user's.
@@ -114,7 +116,8 @@ impl Family {
         let other = spec.get(FieldId::RestitutionMinus);
         let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
         let level = scene.gravity_along().is_none_or(|along| along == 0.0);
-        let mirrors = like && level && scene.gap_offset(0) == 0.0;
+        let mirrors = like && level;
+        let middle = scene.gap_offset(0);
         let has_angle = scene.has_angle();
         let member = match scene {
             Scene::DrivenSiva(Mounted { system, start, .. }) => {
@@ -126,7 +129,7 @@ impl Family {
             }
             _ => return Err(not_periodic(&spec)),
         };
-        Ok(Self { member, period, amplitude, mirrors, has_angle, scale, units })
+        Ok(Self { member, period, amplitude, mirrors, middle, has_angle, scale, units })
     }
 }
 
@@ -156,6 +159,10 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
     if spec.choices().kind == Kind::None {
         let rule = "an orbit is one of an absorber; give a free mass or a pendulum";
         return Err(Invalid::new("absorber.kind", Kind::None.name(), rule));
+    }
+    if let Some(units) = spec.get(FieldId::Units).filter(|units| *units > 1.0) {
+        let rule = "orbits are those of one absorber of one unit; leave it out";
+        return Err(Invalid::new(FieldId::Units.path(), number(units), rule));
     }
     match spec.forces() {
         [force] if force.record.is_none() && force.nature() == Nature::Harmonic => Ok(()),

@@ -82,7 +82,7 @@ where
             let state = self.begin_at(&start, Clock::new(0.0));
             -self.wall(&state).sign() * self.distance(&state).rate
         });
-        [x, scale.velocity(v), y, scale.velocity(gap_velocity)]
+        [x, scale.velocity(v), self.offset() + y, scale.velocity(gap_velocity)]
     }
 }
 
