@@ -72,9 +72,9 @@ impl Input {
     }
 }
 
-/// The CSV text of a history, with digits that read back as the same numbers.
+/// The CSV text of a history in the units of its study, with digits that read back as the same numbers.
 fn record(history: &History) -> String {
-    let mut text = "time,value\n".to_owned();
+    let mut text = "time,value (1)\n".to_owned();
     for (time, value) in history.times().iter().zip(history.values()) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{time:?},{value:?}");
