@@ -8,24 +8,28 @@ import numpy as np
 import pytest
 
 pytest.importorskip("dynesty")
+import scipy.signal
 import scipy.stats
 
 import iva
+from iva.identification.chains import SensorChain, pulse_of
+from iva.identification.choosing import chain_of
 from iva.identification.combinations import in_words, null_directions
 from iva.identification.detection import pulses_in
 from iva.identification.kinks import kinks_in
 from iva.identification.priors import prior_of
-from iva.identification.pulses import first_guess, shapes, whole
+from iva.identification.pulses import Shape
 from iva.identification.records import Inputs, Recording
 from iva.identification.responses import Response, to_jump, to_release
 from iva.identification.walls import Absorber, contacts, residuals
-from planted_decays import Chain, Truth, flights, law_of, record
+from planted_decays import Chain, Truth, Values, flights, law_of, record
 from planted_pendulums import Laser, laser, swung
 
+NONE: Values = np.zeros(0)
 RIG = Truth(release=0.25, gap_displacement=0.2e-3, scatter=0.05)
 
 
-def inputs_of(truth: Truth, seconds: float) -> Inputs:
+def inputs_of(truth: Truth, seconds: float, pulse: Values = NONE) -> Inputs:
     """Return the numbers of a record from its truth."""
     impacts = flights(truth, seconds, law_of(truth, np.random.default_rng(0)))
     head = [2 * np.pi * truth.frequency_hz, truth.damping_ratio, 0.5, truth.release]
@@ -36,7 +40,8 @@ def inputs_of(truth: Truth, seconds: float) -> Inputs:
         np.array([0.1, 0.2, 0.0, 0.0]),
         np.array([0.01, 0.02]),
         np.array([[60.0, 1.0, 450.0, 0.015]]),
-        first_guess(),
+        pulse,
+        np.linspace(-0.02, 0.03, len(impacts)),
     )
 
 
@@ -69,10 +74,21 @@ def test_the_high_pass_is_a_first_order_one(answer: Callable[..., Response]) -> 
     assert after[0] == pytest.approx(before[0] - left, abs=1e-2)
 
 
-def test_the_jacobian_is_that_of_the_record() -> None:
-    inputs = inputs_of(RIG, 0.6)
+CHAINS = [
+    SensorChain("linear phase", 0.42, 1.2),
+    SensorChain("zero phase", 0.3, 2.0),
+    SensorChain("causal", 0.35, 1.0),
+    SensorChain("none", 0.5, 2.3),
+]
+
+
+@pytest.mark.parametrize("chain", CHAINS[:3])
+def test_the_jacobian_is_that_of_the_record(chain: SensorChain) -> None:
+    shape = Shape(chain)
+    shares = 0.02 * np.random.default_rng(1).standard_normal(shape.size) * shape.deviations()
+    inputs = inputs_of(RIG, 0.6, shares)
     time = np.arange(1800) / 2048
-    recording = Recording(time, np.zeros(time.size), 2, 2048.0, (50.0,))
+    recording = Recording(time, np.zeros(time.size), 2, 2048.0, (50.0,), shape=shape)
     slopes, numbers = recording.jacobian(inputs), inputs.vector()
     for place in range(numbers.size):
         step = 1e-6 * max(abs(numbers[place]), 1e-2)
@@ -90,13 +106,43 @@ def test_the_jacobian_is_that_of_the_record() -> None:
         assert slopes[:, place] == pytest.approx(wanted, abs=2e-3 * np.max(np.abs(wanted)) + 1e-9)
 
 
-def test_a_pulse_has_the_area_of_its_jump() -> None:
-    shares = whole(first_guess())
-    for place in (200.0, 200.3, 200.5):
-        samples, parts, _ = shapes(np.array([place]), 400)
-        made = parts[0] @ shares
-        assert made.sum() == pytest.approx(1.0, abs=5e-3)
-        assert (samples[0] @ made) / made.sum() == pytest.approx(place, abs=0.05)
+@pytest.mark.parametrize("chain", CHAINS)
+def test_a_pulse_has_the_area_and_the_instant_of_its_jump(chain: SensorChain) -> None:
+    # Whatever is added to the pulse of a chain: ∫ g = 1 and ∫ p g = 0. A contact that is wider by
+    # the variance v has the second moment v more.
+    shape = Shape(chain)
+    shares = shape.deviations() * np.random.default_rng(2).standard_normal(shape.size)
+    near = np.zeros(shape.size)
+    middle = slice(shape.size // 2 - 2, shape.size // 2 + 2)
+    near[middle] = shares[middle]
+    fine = np.arange(-60.0, 60.0, 1 / 64)[None, :]
+    plain, more, wide = (
+        shape.pulse(fine, added, np.array([width]))[0]
+        for added, width in ((np.zeros(shape.size), 0.0), (near, 0.0), (np.zeros(shape.size), 0.1))
+    )
+    for made in (plain, more, wide):
+        assert np.sum(made) / 64 == pytest.approx(1.0, abs=1e-2)
+        assert np.sum(fine[0] * made) / 64 == pytest.approx(0.0, abs=2e-2)
+    assert np.sum(fine[0] ** 2 * (wide - plain)) / 64 == pytest.approx(0.1, abs=1e-2)
+
+
+def test_a_causal_pulse_is_that_of_its_transfer_function() -> None:
+    # SciPy's analogue Butterworth filter; its impulse response comes later by the delay.
+    chain = SensorChain("causal", 0.35, 1e-3)
+    after = np.arange(0.0, 20.0, 1 / 16)
+    poles = scipy.signal.butter(4, 2 * np.pi * 0.35, analog=True)
+    _, wanted = scipy.signal.impulse(poles, T=after)
+    height = pulse_of(chain).height
+    assert height(after - chain.delay) == pytest.approx(wanted, abs=2e-3)
+    assert np.max(np.abs(height(np.arange(-3.0, -0.5, 1 / 16) - chain.delay))) < 1e-3
+
+
+def test_the_chain_is_that_of_the_pulses() -> None:
+    made = record(RIG, Chain(seed=5, seconds=2.0, contact=1e-3))
+    release = int(RIG.release * 2048)
+    chain = chain_of(made.values, 2048.0, ((release - 40, release + 40),))
+    assert chain.kind == "linear phase"
+    assert chain.cutoff == pytest.approx(0.42, abs=0.04)
 
 
 def test_the_wall_conditions_hold_for_planted_flights() -> None:

@@ -77,6 +77,7 @@ def fit_of(
             **begin,
         ),
         duration=float(recording.time[-1] + clock - release),
+        chain=found.chain,
     )
 
 

@@ -9,29 +9,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from iva.identification.pulses import REACH, WIDE, first_guess, shapes, whole
+from iva.identification.chains import SensorChain
+from iva.identification.pulses import WIDE, Shape
 from iva.identification.responses import Values
 
 #: Corner of the high pass over the sampling rate.
 UPPER = 0.15
 #: Half length of its kernel in samples.
 HALF = 24
+TAPS = np.arange(-HALF, HALF + 1)
+LOWER = 2 * UPPER * np.sinc(2 * UPPER * TAPS) * np.hanning(TAPS.size + 2)[1:-1]
+#: That kernel: what a low pass leaves out.
+KERNEL = (TAPS == 0) - LOWER / LOWER.sum()
 #: How many deviations of the noise an impact stands out.
 CLEAR = 6.0
 #: Places between two samples at which a pulse is tried.
 PARTS = 20
 #: A smaller one within this many samples of a larger counts only above `SHARE` of it.
 NEAR = 45
+#: Pulses of a usual recorder.
+GUESS = Shape(SensorChain())
 
 
 def above(values: Values) -> Values:
-    """Return the part of a record above the corner, shape (n,); its ends are taken as constant."""
-    taps = np.arange(-HALF, HALF + 1)
-    kernel = -2 * UPPER * np.sinc(2 * UPPER * taps) * np.hanning(taps.size + 2)[1:-1]
-    kernel *= 1 / -kernel.sum()
-    kernel[HALF] += 1.0
-    padded = np.pad(values, HALF, mode="edge")
-    made: Values = np.convolve(padded, kernel, mode="valid")
+    """Return the part of a record above the corner, shape (..., n); its ends are constant."""
+    padded = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(HALF, HALF)], mode="edge")
+    made: Values = np.lib.stride_tricks.sliding_window_view(padded, 2 * HALF + 1, -1) @ KERNEL
     return made
 
 
@@ -43,7 +46,8 @@ def deviation(values: Values) -> float:
 def pulses_in(
     values: Values,
     sampling_hz: float,
-    pulse: Values | None = None,
+    shape: Shape = GUESS,
+    shares: Values | None = None,
     share: float = 0.3,
     closed: tuple[tuple[int, int], ...] = (),
     limit: int = 400,
@@ -56,7 +60,9 @@ def pulses_in(
         Acceleration in m/s².
     sampling_hz : float
         Sampling rate.
-    pulse : ndarray, shape (REACH,), optional
+    shape : Shape
+        What the pulse is made of.
+    shares : ndarray, shape (s,), optional
         The pulse where it is known already.
     share : float
         Size below which a pulse beside a larger one is taken for what that one has left over.
@@ -69,10 +75,9 @@ def pulses_in(
     -------
     times, jumps : ndarray, shape (k,)
     """
-    shares = whole(first_guess() if pulse is None else pulse)
     rest = above(values)
     count, span = rest.size, 2 * WIDE
-    table = np.stack([high_pulse(shares, part / PARTS) * sampling_hz for part in range(PARTS)])
+    table = high_pulses(shape, shares, np.arange(PARTS) / PARTS) * sampling_hz
     energy = np.sum(table**2, axis=1)
     match = np.convolve(rest, table[0][::-1], mode="same") / energy[0]
     noise = max(deviation(match), 1e-300)
@@ -108,16 +113,16 @@ def pulses_in(
     return times, np.array([size for _, size in found])
 
 
-def high_pulse(shares: Values, place: float) -> Values:
-    """Return what the high pass leaves of a pulse `place` samples after the middle one.
+def high_pulses(shape: Shape, shares: Values | None, places: Values) -> Values:
+    """Return what the high pass leaves of pulses `places` samples after the middle one.
 
-    Shape (4 WIDE + 1,), for a jump of 1 m/s at one sample a second.
+    Shape (k, 4 WIDE + 1), for a jump of 1 m/s at one sample a second.
     """
-    middle = 2 * WIDE
-    samples, parts, _ = shapes(np.array([middle + place]), 2 * middle + 1)
-    shape = np.zeros(2 * middle + 1)
-    np.add.at(shape, samples[0], parts[0] @ shares)
-    return above(shape)
+    offset = np.arange(-2 * WIDE, 2 * WIDE + 1)[None, :] - places[:, None]
+    known = np.zeros(shape.size) if shares is None else shares
+    inside = np.abs(offset) <= WIDE
+    made = np.where(inside, shape.pulse(offset, known, np.zeros(places.size)), 0.0)
+    return above(made)
 
 
-__all__ = ["CLEAR", "REACH", "above", "deviation", "pulses_in"]
+__all__ = ["CLEAR", "above", "deviation", "high_pulses", "pulses_in"]

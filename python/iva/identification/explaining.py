@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from iva.identification.beginnings import onset, rough_frequency, scanned
+from iva.identification.choosing import chain_of
 from iva.identification.detection import pulses_in
 from iva.identification.kinks import SIDE, kinks_in
-from iva.identification.pulses import REACH, first_guess
+from iva.identification.pulses import REACH, Shape
 from iva.identification.records import (
     CORNER,
     HEAD,
@@ -26,8 +27,9 @@ from iva.identification.responses import Values
 
 #: Width in rad/s of what is expected of the corner of a high pass: half a hertz.
 CORNERS = np.pi
-#: How far a pulse may be from that of a usual filter.
-SHAPES = 0.3
+#: Standard deviation of the variances of contacts about their mean, in samples², at first and at
+#: least.
+WIDTHS, LEAST_WIDTHS = 0.02, 1e-4
 #: Power of a line of the answer to impacts, over the median, that makes it a further mode.
 LINE = 60.0
 #: Least length of a record after the release, in periods.
@@ -119,17 +121,21 @@ def explained(
     )
     for place, value in fixed.items():
         head[place] = value
-    pulse = first_guess() if order == 2 else np.zeros(0)
+    shape = recording.shape
+    pulse = np.zeros(0 if shape is None else shape.size)
+    widths = np.zeros(0 if shape is None else times.size)
     hum = np.zeros(2 * len(recording.hum_hz))
-    inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse)
+    inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse, widths)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
+    width = WIDTHS
     searches_left = SEARCHES
     for attempt in range(ROUNDS):
         mask = masked(recording, inputs, begin is None and start is None)
-        known = known_of(recording, inputs, fixed, priors)
+        known = known_of(recording, inputs, fixed, priors, width)
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
         inputs = refined.inputs
+        width = spread_of_widths(refined)
         rest = recording.values - recording.model(inputs)
         before = (noise, roughness)
         noise, roughness = spread(recording, inputs, rest, mask, floor)
@@ -149,11 +155,28 @@ def explained(
         more, sizes = found_in(recording, rest, hertz, closed, inputs.pulse, noise)
         if not more.size:
             break
-        inputs = inputs.with_impacts(
-            np.concatenate([inputs.times, more]), np.concatenate([inputs.jumps, sizes])
-        )
+        inputs = inputs.with_more(more, sizes)
     modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
+
+
+def with_chain(recording: Recording, release: float | None) -> Recording:
+    """Return a record of acceleration with the pulses of its chain, and any other as it is.
+
+    Parameters
+    ----------
+    recording : Recording
+        The record.
+    release : float or None
+        Instant of the release from the first sample in s, where it is known.
+    """
+    if recording.order != 2:
+        return recording
+    rate = recording.sampling_hz
+    begin = onset(recording.values, rate, 2) if release is None else release
+    first = int((begin or 0.0) * rate)
+    chain = chain_of(recording.values, rate, ((first - REACH, first + REACH),))
+    return replace(recording, shape=Shape(chain))
 
 
 def powers_of(periods: float) -> int:
@@ -171,8 +194,9 @@ def found_in(
 ) -> tuple[Values, Values]:
     """Return instants and jumps of the impacts that stand out of values of a record."""
     if recording.order == 2:
+        assert recording.shape is not None
         share = 0.3 if pulse is None else 0.05
-        return pulses_in(values, recording.sampling_hz, pulse, share, closed)
+        return pulses_in(values, recording.sampling_hz, recording.shape, pulse, share, closed)
     times, jumps, _, _ = kinks_in(
         values, recording.sampling_hz, hertz, recording.order, noise, closed
     )
@@ -210,6 +234,7 @@ def known_of(
     inputs: Inputs,
     fixed: dict[int, float],
     priors: dict[int, tuple[float, float]],
+    width: float,
 ) -> Known:
     """Return what is known of the numbers beforehand."""
     mean = inputs.vector()
@@ -221,10 +246,21 @@ def known_of(
         mean[place], deviation[place] = middle, width
     for place, value in fixed.items():
         mean[place], deviation[place] = value, 0.0
-    shares = slice(mean.size - inputs.pulse.size, mean.size)
-    mean[shares] = first_guess()[: inputs.pulse.size]
-    deviation[shares] = SHAPES
+    if recording.shape is not None:
+        last = mean.size - inputs.widths.size
+        deviation[last - inputs.pulse.size : last] = recording.shape.deviations()
+        deviation[last:] = width
+        mean[last - inputs.pulse.size :] = 0.0
     return Known(mean, deviation)
+
+
+def spread_of_widths(refined: Refined) -> float:
+    """Return the standard deviation of the variances of contacts, the most likely one."""
+    widths = refined.inputs.widths
+    if not widths.size:
+        return WIDTHS
+    own = np.diag(refined.covariance)[-widths.size :]
+    return max(float(np.sqrt(np.mean(widths**2 + own))), LEAST_WIDTHS)
 
 
 def weighted(

@@ -37,6 +37,8 @@ class Found:
     noise : float
     combinations, reasons, notes : tuple of str
         As in :class:`Fit`.
+    chain : str
+        As in :class:`Fit`.
     """
 
     draws: dict[str, Values]
@@ -50,6 +52,7 @@ class Found:
     combinations: tuple[str, ...]
     reasons: tuple[str, ...]
     notes: tuple[str, ...]
+    chain: str = ""
 
 
 @spell_checked
@@ -90,6 +93,9 @@ class Fit:
         The scene at the values of `parameters`.
     duration : float
         From the release to the end of the record in s.
+    chain : str
+        What the pulses of impacts say of filter and contact, in words; empty where the record shows
+        none. Instants of impacts and release are those of the motion, before that filter.
     """
 
     parameters: pl.DataFrame
@@ -110,6 +116,7 @@ class Fit:
     primary: Primary
     start: Start
     duration: float
+    chain: str = ""
     _run: list[Run] = field(default_factory=list)
 
     @property

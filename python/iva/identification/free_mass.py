@@ -8,7 +8,7 @@ import numpy as np
 
 from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
 from iva.identification.combinations import in_words, null_directions
-from iva.identification.explaining import Explained, explained
+from iva.identification.explaining import Explained, explained, with_chain
 from iva.identification.fits import Found
 from iva.identification.growing import Grown, grown, settled
 from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
@@ -62,6 +62,12 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
             "record.quantity = 'displacement': of a free mass give an acceleration or a velocity"
         )
     gap_velocity = known.taken.get("gap_velocity", 0.0)
+    chain, given = "", known.exactly("release")
+    recording = with_chain(recording, None if given is None else given - clock)
+    if recording.shape is not None:
+        # A filter that delays the motion delays the clock.
+        clock -= recording.shape.chain.delay / recording.sampling_hz
+        chain = recording.shape.chain.words(recording.sampling_hz)
     shown, best, beliefs = followed(recording, clock, floor, known)
     notes, reasons = [], []
     every = shown.refined.inputs.times
@@ -144,6 +150,7 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         combinations=words,
         reasons=tuple(reasons),
         notes=tuple(notes),
+        chain=chain,
     )
 
 

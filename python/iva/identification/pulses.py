@@ -1,93 +1,164 @@
-"""The pulse that an impact leaves in a record of acceleration.
+"""The pulses of impacts in a record of acceleration, as the record itself has them.
 
-Contact is far shorter than a period, so all impacts leave the same pulse, as large as their jump of
-velocity: the contact force seen through the filter before the recorder. The filter is band-limited
-and has linear phase with the delay removed. So the pulse is a symmetric sum of shifted sinc
-functions, Σ c_m sinc(p − m) with Σ c_m = 1, p in samples from the impact.
+All impacts leave the same pulse, as large as their jump of velocity: that of a named chain
+(:mod:`iva.identification.chains`) and what the record says beyond it, a sum of sinc functions and,
+where a filter lets pass more than samples can hold, of narrow splines. What is added has neither
+area nor first moment: the area is the jump, and the instant is that of the motion. Contacts differ
+somewhat in length: each pulse has a width of its own.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
+from iva.identification.chains import SensorChain, pulse_of
 from iva.identification.responses import Values
 
-#: Samples on each side that a pulse may last, beyond the ringing of usual filters.
-REACH = 30
+#: Samples on each side that a pulse may last: the longest usual filters ring for some 32.
+REACH = 40
 #: Samples on each side on which its sum is evaluated.
 WIDE = REACH + 8
+#: Splines a sample, and how far beyond the contact they reach in samples.
+DENSE = 3
+BESIDE = 2.5
+#: How far a pulse may be from that of its chain near the impact, and how many samples away that
+#: has fallen to a third.
+SHAPES = 0.15
+FADING = 15.0
 
 
-def first_guess(cutoff: float = 0.42, contact: float = 1.2) -> Values:
-    """Return c_1 … c_REACH of a usual filter and contact, shape (REACH,).
+@dataclass(frozen=True)
+class Shape:
+    """What pulses of a chain are made of."""
 
-    Parameters
-    ----------
-    cutoff : float
-        Corner of the filter over the sampling rate.
-    contact : float
-        Length of a half sine in samples.
-    """
-    fine = np.linspace(-contact / 2, contact / 2, 41)
-    force = np.cos(np.pi * fine / contact)
-    force /= force.sum()
-    at = np.arange(-REACH, REACH + 1)[:, None] - fine[None, :]
-    window = np.clip(1 - np.abs(at) / (REACH + 1), 0, None)
-    made = (2 * cutoff * np.sinc(2 * cutoff * at) * window) @ force
-    made = (made + made[::-1]) / 2
-    shares: Values = (made / made.sum())[REACH + 1 :]
-    return shares
+    chain: SensorChain
+
+    @cached_property
+    def sincs(self) -> Values:
+        """Places of the sinc functions in samples from the impact, but for the middle three."""
+        if self.chain.kind == "none":
+            return np.zeros(0)
+        places: Values = np.arange(-REACH, REACH + 1).astype(np.float64)
+        return places[np.abs(places) > 1]
+
+    @cached_property
+    def splines(self) -> Values:
+        """Places of the splines in samples from the impact."""
+        if self.chain.kind == "linear phase":
+            return np.zeros(0)
+        half = self.chain.contact / 2 + BESIDE
+        most = int(np.ceil(half * DENSE))
+        return np.arange(-most, most + 1) / DENSE
+
+    @property
+    def size(self) -> int:
+        """Number of shares: of the sinc functions, of the middle one, of the splines."""
+        middle = 1 if self.sincs.size else 0
+        return self.sincs.size + middle + max(self.splines.size - 2 * (1 - middle), 0)
+
+    def deviations(self) -> Values:
+        """Return how large each share may be, shape (size,)."""
+        made = SHAPES * np.exp(-np.abs(self.sincs) / FADING)
+        if self.sincs.size:
+            return np.concatenate([made, np.full(1 + self.splines.size, SHAPES)])
+        return np.full(self.size, SHAPES)
+
+    def basis(self, offset: Values) -> tuple[Values, Values]:
+        """Return the added functions and their derivatives, shape offset.shape + (size,)."""
+        parts, slopes, areas, moments = [], [], [], []
+        if self.sincs.size:
+            value, slope = sincs(offset, np.arange(-1.0, 2.0))
+            middle, middle_slope = value[..., 1:2], slope[..., 1:2]
+            odd, odd_slope = (side[..., 2:3] - side[..., 0:1] for side in (value, slope))
+            even = value[..., 2:3] + value[..., 0:1] - 2 * middle
+            even_slope = slope[..., 2:3] + slope[..., 0:1] - 2 * middle_slope
+            far, far_slope = sincs(offset, self.sincs)
+            parts += [far, even]
+            slopes += [far_slope, even_slope]
+            areas += [np.ones(self.sincs.size), np.zeros(1)]
+            moments += [self.sincs, np.zeros(1)]
+        if self.splines.size:
+            value, slope = spline((offset[..., None] - self.splines) * DENSE)
+            slope = slope * DENSE
+            if not self.sincs.size:
+                # Two in the middle take area and first moment of the others.
+                half = self.splines.size // 2
+                pair = [half - DENSE, half + DENSE]
+                two, two_slope = value[..., pair], slope[..., pair]
+                middle = DENSE * two.mean(axis=-1, keepdims=True)
+                middle_slope = DENSE * two_slope.mean(axis=-1, keepdims=True)
+                odd = DENSE * (two[..., 1:] - two[..., :1])
+                odd_slope = DENSE * (two_slope[..., 1:] - two_slope[..., :1])
+                keep = np.delete(np.arange(self.splines.size), pair)
+                value, slope, places = value[..., keep], slope[..., keep], self.splines[keep]
+            else:
+                places = self.splines
+            parts.append(value)
+            slopes.append(slope)
+            areas.append(np.full(places.size, 1 / DENSE))
+            moments.append(places / DENSE)
+        area, moment = np.concatenate(areas), np.concatenate(moments)
+        part = np.concatenate(parts, axis=-1) - area * middle - moment / 2 * odd
+        steep = np.concatenate(slopes, axis=-1) - area * middle_slope - moment / 2 * odd_slope
+        return part, steep
+
+    def pulse(self, offset: Values, shares: Values, widths: Values) -> Values:
+        """Return pulses of unit jumps, shape (k, n), at offsets from their impacts (k, n).
+
+        ``widths`` (k,) are what the variances of their contacts are more than usual, in samples².
+        """
+        made = pulse_of(self.chain)
+        heights: Values = made.height(offset)
+        if np.any(shares):
+            heights = heights + self.basis(offset)[0] @ shares
+        if np.any(widths):
+            heights = heights + widths[:, None] * made.width(offset)
+        return heights
+
+    def derivatives(
+        self, offset: Values, shares: Values, widths: Values
+    ) -> tuple[Values, Values, Values, Values]:
+        """Return pulses, their derivatives by offset and width (k, n), by share (k, n, s)."""
+        made = pulse_of(self.chain)
+        parts, slopes = self.basis(offset)
+        width = made.width(offset)
+        heights = made.height(offset) + parts @ shares + widths[:, None] * width
+        steep = made.height(offset, 1) + slopes @ shares + widths[:, None] * made.width(offset, 1)
+        return heights, steep, width, parts
 
 
-def sincs(offset: Values) -> tuple[Values, Values]:
-    """Return sinc and its derivative at offsets in samples."""
-    value = np.sinc(offset)
-    safe = np.where(np.abs(offset) < 1e-6, 1.0, offset)
-    slope = np.where(np.abs(offset) < 1e-6, 0.0, (np.cos(np.pi * offset) - value) / safe)
+def sincs(offset: Values, places: Values) -> tuple[Values, Values]:
+    """Return sinc functions at whole places and their derivatives, shape offset.shape + (s,)."""
+    # sin π(p − m) = (−1)^m sin πp: one sine for all places.
+    away = offset[..., None] - places
+    sign = 1.0 - 2.0 * (np.abs(places) % 2)
+    near = np.abs(away) < 1e-6
+    away[near] = 1.0
+    value = np.sin(np.pi * offset)[..., None] * sign / (np.pi * away)
+    slope = (np.cos(np.pi * offset)[..., None] * sign - value) / away
+    value[near], slope[near] = 1.0, 0.0
     return value, slope
 
 
-def shapes(places: Values, count: int) -> tuple[np.ndarray, Values, Values]:
-    """Return where pulses fall and their parts.
+def spline(offset: Values) -> tuple[Values, Values]:
+    """Return the cubic B-spline of area 1 and its derivative at offsets from its middle."""
+    far = np.abs(offset)
+    inner, outer = np.minimum(far, 1.0), np.clip(2.0 - far, 0.0, 1.0)
+    near = far < 1.0
+    value = np.where(near, 2 / 3 - inner**2 + inner**3 / 2, outer**3 / 6)
+    slope = np.where(near, -2 * inner + 1.5 * inner**2, -(outer**2) / 2) * np.sign(offset)
+    return value, slope
 
-    Parameters
-    ----------
-    places : ndarray, shape (k,)
-        Instants of the impacts in samples from the first one.
-    count : int
-        Samples of the record.
 
-    Returns
-    -------
-    samples : ndarray of int, shape (k, 2 WIDE + 1)
-        Indices; those outside the record are clipped, with parts of zero.
-    parts : ndarray, shape (k, 2 WIDE + 1, REACH + 1)
-        Column m is sinc(p − m) + sinc(p + m), column 0 sinc(p).
-    slopes : ndarray, of the same shape
-        Their derivatives by p, the distance from the impact.
+def places_of(instants: Values, sampling_hz: float, count: int) -> tuple[np.ndarray, Values]:
+    """Return the samples about impacts and their offsets in samples, shape (k, 2 WIDE + 1) each.
+
+    Samples outside the record are −1.
     """
-    near = np.rint(places).astype(int)
-    samples = near[:, None] + np.arange(-WIDE, WIDE + 1)[None, :]
-    inside = (samples >= 0) & (samples < count)
+    places = instants * sampling_hz
+    samples = np.rint(places).astype(int)[:, None] + np.arange(-WIDE, WIDE + 1)[None, :]
     offset = samples - places[:, None]
-    shifts = np.arange(REACH + 1)
-    right, right_slope = sincs(offset[:, :, None] - shifts)
-    left, left_slope = sincs(offset[:, :, None] + shifts)
-    twice = np.where(shifts == 0, 0.5, 1.0)
-    parts = (right + left) * twice * inside[:, :, None]
-    slopes = (right_slope + left_slope) * twice * inside[:, :, None]
-    return np.clip(samples, 0, count - 1), parts, slopes
-
-
-def whole(shares: Values) -> Values:
-    """Return c_0 … c_REACH, c_0 such that the pulse has area 1."""
-    return np.concatenate([[1.0 - 2.0 * shares.sum()], shares])
-
-
-def envelope(shares: Values) -> Values:
-    """Return the largest |c| at or beyond each distance of 0 … WIDE samples, shape (WIDE + 1,)."""
-    sizes = np.abs(whole(shares))
-    beyond = np.maximum.accumulate(sizes[::-1])[::-1]
-    tail = beyond[-1] * np.exp(-np.arange(1, WIDE - REACH + 1) / 3.0)
-    made: Values = np.concatenate([beyond, tail])
-    return made
+    return np.where((samples >= 0) & (samples < count), samples, -1), offset

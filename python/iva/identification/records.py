@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from iva.identification.pulses import WIDE, envelope, shapes, whole
+from iva.identification.pulses import WIDE, Shape, places_of
 from iva.identification.responses import Response, Values, rate_of, to_jump, to_release
 
 #: Numbers before the impacts: ω, ζ, corner of the high pass, instant and size of the release.
@@ -28,7 +28,9 @@ class Inputs:
     """All numbers that a record is made of; SI units, time from the first sample.
 
     ``head`` (5,), ``times`` and ``jumps`` (k,), ``trend`` (4,), ``hum`` (2h,), ``modes`` (m, 4),
-    ``pulse`` (REACH,) or empty where the record shows no pulses.
+    ``pulse`` (s,) shares of what pulses have beyond their chain, and ``widths`` (k,) what the
+    variance of each contact is more than usual in samples²; both are empty where the record shows
+    no pulses.
     """
 
     head: Values
@@ -38,6 +40,7 @@ class Inputs:
     hum: Values
     modes: Values
     pulse: Values
+    widths: Values
 
     def vector(self) -> Values:
         """Return all numbers in one row."""
@@ -50,6 +53,7 @@ class Inputs:
                 self.hum,
                 self.modes.ravel(),
                 self.pulse,
+                self.widths,
             ]
         )
 
@@ -63,15 +67,21 @@ class Inputs:
             self.hum.size,
             self.modes.size,
             self.pulse.size,
+            self.widths.size,
         ]
         parts = np.split(numbers, np.cumsum(sizes)[:-1])
-        head, times, jumps, trend, hum, modes, pulse = parts
-        return Inputs(head, times, jumps, trend, hum, modes.reshape(self.modes.shape), pulse)
+        head, times, jumps, trend, hum, modes, pulse, widths = parts
+        modes = modes.reshape(self.modes.shape)
+        return Inputs(head, times, jumps, trend, hum, modes, pulse, widths)
 
-    def with_impacts(self, times: Values, jumps: Values) -> Inputs:
-        """Return the same with other impacts, in the order of time."""
-        order = np.argsort(times)
-        return replace(self, times=times[order], jumps=jumps[order])
+    def with_more(self, times: Values, jumps: Values) -> Inputs:
+        """Return the same with further impacts, all in the order of time."""
+        order = np.argsort(np.concatenate([self.times, times]))
+        every = [np.concatenate(pair)[order] for pair in ((self.times, times), (self.jumps, jumps))]
+        widths = self.widths
+        if widths.size:
+            widths = np.concatenate([widths, np.zeros(times.size)])[order]
+        return replace(self, times=every[0], jumps=every[1], widths=widths)
 
     @property
     def impacts(self) -> slice:
@@ -95,6 +105,8 @@ class Recording:
         1/σ of each sample, 0 where it does not count.
     powers : int
         Powers of time that the trend has.
+    shape : Shape or None
+        What pulses of impacts are made of; ``None`` where the record shows none.
     """
 
     time: Values
@@ -104,6 +116,7 @@ class Recording:
     hum_hz: tuple[float, ...] = ()
     weights: Values = field(default_factory=lambda: np.zeros(0))
     powers: int = TREND
+    shape: Shape | None = None
 
     def trends(self) -> Values:
         """Return the columns of trend and hum, shape (n, 4 + 2h)."""
@@ -134,13 +147,12 @@ class Recording:
 
     def pulses(self, inputs: Inputs) -> Values:
         """Return the pulses of the impacts, shape (n,)."""
-        made = np.zeros(self.time.size)
-        if inputs.pulse.size and inputs.times.size:
-            places = (inputs.times - self.time[0]) * self.sampling_hz
-            samples, parts, _ = shapes(places, self.time.size)
-            heights = parts @ whole(inputs.pulse) * inputs.jumps[:, None] * self.sampling_hz
-            np.add.at(made, samples, heights)
-        return made
+        made = np.zeros(self.time.size + 1)  # the last one gathers what lies outside
+        if self.shape is not None and inputs.times.size:
+            samples, offset = places_of(inputs.times, self.sampling_hz, self.time.size)
+            heights = self.shape.pulse(offset, inputs.pulse, inputs.widths)
+            np.add.at(made, samples, heights * inputs.jumps[:, None] * self.sampling_hz)
+        return made[:-1]
 
     def nuisance(self, inputs: Inputs) -> Values:
         """Return offset, drift and hum, shape (n,)."""
@@ -166,7 +178,7 @@ class Recording:
             if index == CORNER and self.order != 2:
                 continue
             # A corner is not below 0, a damping ratio may be.
-            back[index] -= 0.0 if index == CORNER else step
+            back[index] -= step
             new, old = replace(inputs, head=ahead), replace(inputs, head=back)
             change = self.motion(new) - self.motion(old)
             if index == CORNER:
@@ -197,32 +209,39 @@ class Recording:
                 change = self.ringing(replace(inputs, modes=other)) - self.ringing(inputs)
                 made[:, place + index] = change / step
             place += MODE
-        if inputs.pulse.size and hits:
-            places = (inputs.times - self.time[0]) * self.sampling_hz
-            samples, parts, slopes = shapes(places, count)
-            shares, rate = whole(inputs.pulse), self.sampling_hz
-            heights, steep = parts @ shares * rate, -(slopes @ shares) * rate**2
-            for hit in range(hits):
-                np.add.at(made[:, HEAD + hits + hit], samples[hit], heights[hit])
-                np.add.at(made[:, HEAD + hit], samples[hit], steep[hit] * inputs.jumps[hit])
-            by_share = (parts[:, :, 1:] - 2 * parts[:, :, :1]) * inputs.jumps[:, None, None] * rate
-            for hit in range(hits):
-                np.add.at(made[:, place:], samples[hit], by_share[hit])
+        if self.shape is not None and hits:
+            self.by_pulse(inputs, made)
         return made
+
+    def by_pulse(self, inputs: Inputs, made: Values) -> None:
+        """Add the derivatives of the pulses to those of the record (n, p)."""
+        assert self.shape is not None
+        hits, rate = inputs.times.size, self.sampling_hz
+        samples, offset = places_of(inputs.times, rate, self.time.size)
+        heights, steep, width, parts = self.shape.derivatives(offset, inputs.pulse, inputs.widths)
+        last = made.shape[1]
+        shares = slice(last - hits - inputs.pulse.size, last - hits)
+        for hit, jump in enumerate(inputs.jumps * rate):
+            inside = samples[hit] >= 0
+            rows = samples[hit][inside]
+            made[rows, HEAD + hit] -= steep[hit][inside] * jump * rate
+            made[rows, HEAD + hits + hit] += heights[hit][inside] * rate
+            made[rows, shares] += parts[hit][inside] * jump
+            made[rows, last - hits + hit] += width[hit][inside] * jump
 
     def reach(self, inputs: Inputs) -> Values:
         """Return how large a pulse may still be at each sample, for a soft mask, shape (n,)."""
-        made = np.zeros(self.time.size)
-        if not inputs.pulse.size:
-            return made
-        hull = envelope(inputs.pulse) * self.sampling_hz
-        distances = np.abs(np.arange(-WIDE, WIDE + 1))
-        places = np.rint((inputs.times - self.time[0]) * self.sampling_hz).astype(int)
-        for place, jump in zip(places, inputs.jumps, strict=True):
-            samples = place + np.arange(-WIDE, WIDE + 1)
-            inside = (samples >= 0) & (samples < made.size)
-            made[samples[inside]] += (hull[distances] * jump)[inside] ** 2
-        root: Values = np.sqrt(made)
+        made = np.zeros(self.time.size + 1)
+        if self.shape is None or not inputs.times.size:
+            return made[:-1]
+        fine = np.arange(-4 * WIDE, 4 * WIDE + 1)[None, :] / 4
+        sizes = np.abs(self.shape.pulse(fine, inputs.pulse, np.zeros(1))[0]) * self.sampling_hz
+        middle = 4 * WIDE
+        sizes[: middle + 1] = np.maximum.accumulate(sizes[: middle + 1])
+        sizes[middle:] = np.maximum.accumulate(sizes[middle:][::-1])[::-1]
+        samples, _ = places_of(inputs.times, self.sampling_hz, self.time.size)
+        np.add.at(made, samples, (sizes[None, ::4] * inputs.jumps[:, None]) ** 2)
+        root: Values = np.sqrt(made[:-1])
         return root
 
 

@@ -90,7 +90,7 @@ def refine(recording: Recording, inputs: Inputs, known: Known, steps: int = 30) 
 def bounded(numbers: Values, inputs: Inputs) -> None:
     """Bring numbers that no structure has back to where one may have them."""
     numbers[ZETA] = min(max(numbers[ZETA], -0.5), 0.9)
-    numbers[CORNER] = max(numbers[CORNER], 0.0)
+    numbers[CORNER] = max(numbers[CORNER], -3.0)
     numbers[OMEGA] = max(numbers[OMEGA], 1e-3)
     place = HEAD + 2 * inputs.times.size + inputs.trend.size + inputs.hum.size
     for _ in inputs.modes:

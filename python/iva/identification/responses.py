@@ -76,7 +76,7 @@ def to_jump(omega: float, damping_ratio: float, corner: float, order: int) -> Re
     rate = rate_of(omega, damping_ratio)
     fast = rate**order / rate.imag
     slow = 0.0
-    if order == 2 and corner > 0:
+    if order == 2 and corner:
         slow = (fast * corner / (rate + corner)).imag - corner
         fast = fast * rate / (rate + corner)
     return Response(rate, corner, fast, slow)
@@ -92,7 +92,7 @@ def to_release(omega: float, damping_ratio: float, corner: float, order: int) ->
         return Response(rate, 0.0, (rate + 2 * damping_ratio * omega) / rate.imag, 0.0)
     fast = -(omega**2) * rate ** (order - 1) / rate.imag
     slow = 0.0
-    if order == 2 and corner > 0:
+    if order == 2 and corner:
         slow = (fast * corner / (rate + corner)).imag
         fast = fast * rate / (rate + corner)
     return Response(rate, corner, fast, slow)

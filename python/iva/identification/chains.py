@@ -1,0 +1,139 @@
+"""What stands between an impact and the samples: contact force, filter of the recorder.
+
+Contact is far shorter than a period, so an impact leaves the pulse of its force, as large as its
+jump of velocity. A recorder filters it. Filters are named here by their frequency response over the
+corner; the clock is shifted by their delay at low frequencies, so that a pulse has its centroid at
+its impact. The motion itself, far below the corner, passes unchanged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from iva.identification.responses import Values
+
+#: Kinds of filters, by name.
+KINDS = ("none", "linear phase", "zero phase", "causal")
+#: Points a sample of the tables.
+FINE = 32
+#: Half length of a table in samples.
+HALF = 64
+#: Variance of a half sine over the square of its length.
+VARIANCE = 0.25 - 2 / np.pi**2
+#: Order of the Butterworth filters: of zero phase it is that of each of two passes.
+ORDERS = {"zero phase": 2, "causal": 4}
+#: Width of the transition of a filter of linear phase, over its corner.
+TRANSITION = 0.06
+
+
+@dataclass(frozen=True)
+class SensorChain:
+    """A filter, its corner over the sampling rate, and the length of a contact in samples."""
+
+    kind: str = "linear phase"
+    cutoff: float = 0.42
+    contact: float = 1.2
+
+    @property
+    def delay(self) -> float:
+        """What the filter delays the motion by, in samples; 0 where its recorder has none."""
+        if self.kind != "causal":
+            return 0.0
+        return -float(np.sum(1 / poles()).real) / (2 * np.pi * self.cutoff)
+
+    def words(self, sampling_hz: float) -> str:
+        """Return what it is, for a reader."""
+        contact = f"contacts of about {1e3 * self.contact / sampling_hz:.2g} ms"
+        if self.kind == "none":
+            return f"no filter, {contact}"
+        corner = f"its corner near {self.cutoff * sampling_hz:.3g} Hz"
+        if self.kind == "causal":
+            return f"a causal filter, {corner}, delay {1e3 * self.delay / sampling_hz:.2g} ms"
+        return f"a filter of {self.kind}, {corner}"
+
+
+def poles() -> np.ndarray:
+    """Return the poles of the causal filter over its corner, shape (order,)."""
+    order = ORDERS["causal"]
+    made: np.ndarray = np.exp(1j * np.pi * (2 * np.arange(order) + order + 1) / (2 * order))
+    return made
+
+
+def passed(kind: str, ratio: Values) -> np.ndarray:
+    """Return the frequency response of a filter, shape (n,), at frequencies over its corner.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`KINDS`.
+    ratio : ndarray, shape (n,)
+        Frequency over the corner.
+    """
+    if kind == "none":
+        return np.ones(ratio.size, complex)
+    if kind == "linear phase":
+        return (0.5 - 0.5 * np.tanh((np.abs(ratio) - 1.0) / TRANSITION)).astype(complex)
+    if kind == "zero phase":
+        # Twice through a filter of half the order, forth and back.
+        return (1 / (1 + ratio ** (2 * ORDERS[kind]))).astype(complex)
+    made = np.ones(ratio.size, complex)
+    delay = 0.0
+    for pole in poles():
+        made = made / (1 - 1j * ratio / pole)
+        delay -= (1 / pole).real
+    shifted: np.ndarray = made * np.exp(1j * ratio * delay)
+    return shifted
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """The pulse of a unit jump at one sample a second, over samples from the impact.
+
+    ``height`` (area 1, centroid 0), and ``width``: its derivative by the variance of the contact.
+    """
+
+    height: CubicSpline
+    width: CubicSpline
+
+
+@lru_cache(maxsize=64)
+def pulse_of(chain: SensorChain) -> Pulse:
+    """Return the pulse that a chain makes."""
+    at = np.arange(-HALF * FINE, HALF * FINE) / FINE
+    if chain.kind == "none":
+        length = max(chain.contact, 2.0 / FINE)
+        change = 0.02 * length
+        longer, shorter = half_sine(at, length + change), half_sine(at, length - change)
+        wider = VARIANCE * ((length + change) ** 2 - (length - change) ** 2)
+        return Pulse(
+            CubicSpline(at, half_sine(at, length)), CubicSpline(at, (longer - shorter) / wider)
+        )
+    frequency: Values = np.fft.fftfreq(at.size, 1 / FINE).astype(np.float64)
+    spectrum = passed(chain.kind, frequency / chain.cutoff) * force(frequency * chain.contact)
+    # Of a contact whose variance is larger by v the spectrum is smaller by v (2πf)²/2.
+    wide = -0.5 * (2 * np.pi * frequency) ** 2 * spectrum
+    height, width = (np.fft.fftshift(np.fft.ifft(one).real) * FINE for one in (spectrum, wide))
+    return Pulse(CubicSpline(at, height), CubicSpline(at, width))
+
+
+def half_sine(at: Values, length: float) -> Values:
+    """Return a half sine of area 1, averaged over the steps of its table, shape (n,)."""
+    step = at[1] - at[0]
+    edges = np.clip((np.concatenate([at - step / 2, [at[-1] + step / 2]])) / length, -0.5, 0.5)
+    made: Values = np.diff(np.sin(np.pi * edges)) / 2 / step
+    return made
+
+
+def force(ratio: Values) -> Values:
+    """Return the spectrum of a half sine of area 1 at frequencies times its length, shape (n,)."""
+    near = np.abs(np.abs(ratio) - 0.5) < 1e-6
+    safe = np.where(near, 0.0, ratio)
+    made: Values = np.where(near, np.pi / 4, np.cos(np.pi * safe) / (1 - (2 * safe) ** 2))
+    return made
+
+
+__all__ = ["KINDS", "Pulse", "SensorChain", "passed", "pulse_of"]
