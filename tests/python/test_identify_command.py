@@ -7,6 +7,7 @@ tests/data/identification.
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import polars as pl
@@ -84,6 +85,22 @@ def test_bad_input_gets_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_structure_alone_becomes_a_study_without_an_absorber(tmp_path: Path) -> None:
+    # x = 5 mm exp(−0.3 t) cos(30 t): the damping ratio is 0.3 / √(30² + 0.3²).
+    time = [step / 200 for step in range(1200)]
+    rows = [f"{t},{5 * math.exp(-0.3 * t) * math.cos(30 * t)}" for t in time]
+    record, out = tmp_path / "bare.csv", tmp_path / "out"
+    record.write_text("time_s,displacement_mm\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    assert main([str(record), "--kind", "none", "--out", str(out)]) == 0
+    found = dict(pl.read_csv(out / "parameters.csv").select("parameter", "value").iter_rows())
+    assert found["damping_ratio"] == pytest.approx(0.3 / math.hypot(30, 0.3), rel=1e-4)
+    assert 'kind = "none"' in (out / "model.toml").read_text(encoding="utf-8")
+    assert "Impacts" not in (out / "report.html").read_text(encoding="utf-8")
+    from iva import _iva
+
+    assert _iva.main(["iva", "check", str(out / "model.toml")]) == 0
+
+
 def test_what_is_known_of_a_pendulum() -> None:
     known = of_sections(
         {
@@ -100,5 +117,5 @@ def test_what_is_known_of_a_pendulum() -> None:
         of_sections({"knwon": {}})
     with pytest.raises(ValueError, match=r"^known.restitution = 0.6: give a distribution"):
         of_sections({"known": {"restitution": 0.6}})
-    with pytest.raises(ValueError, match=r"absorber.kind = 'nes': give siva or piva"):
+    with pytest.raises(ValueError, match=r"absorber.kind = 'nes': give siva, piva or none"):
         of_sections({"absorber": {"kind": "nes"}})

@@ -25,6 +25,7 @@ ROWS = {
     "gap": ("gap_mm", 1e3),
     "frequency_ratio": ("frequency_ratio", 1.0),
     "displacement": ("displacement_mm", 1e3),
+    "velocity": ("velocity", 1.0),
     "gap_displacement": ("gap_displacement_mm", 1e3),
     "release": ("release_s", 1.0),
     "restitution_scatter": ("restitution_scatter", 1.0),
@@ -39,7 +40,7 @@ def fit_of(
     found: Found,
     recording: Recording,
     facts: Stated,
-    kind: Siva | Piva,
+    kind: Siva | Piva | None,
     clock: float,
     quantity: str,
 ) -> Fit:
@@ -67,13 +68,14 @@ def fit_of(
         noise=found.noise,
         draws=pl.DataFrame(draws),
         quantity=quantity,
-        absorber=absorber_of(kind, middle, facts),
+        absorber=None if kind is None else absorber_of(kind, middle, facts),
         primary=Primary(
             frequency_hz=middle["frequency_hz"], damping_ratio=max(middle["damping_ratio"], 0.0)
         ),
         start=Start(
             displacement=middle["displacement_mm"] / 1e3,
-            gap_displacement=middle["gap_displacement_mm"] / 1e3,
+            velocity=middle.get("velocity"),
+            gap_displacement=None if kind is None else middle["gap_displacement_mm"] / 1e3,
             **begin,
         ),
         duration=float(recording.time[-1] + clock - release),

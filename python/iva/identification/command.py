@@ -9,13 +9,10 @@ from iva._iva import IvaError, visible
 from iva.commands import BAD_INPUT, DONE, FAULT, INTERRUPTED, Parser, failed
 from iva.identification.fits import Fit
 from iva.identification.identifying import identify
-from iva.identification.known import Known, of_kind, of_study
+from iva.identification.known import ALONE, KINDS, Known, of_kind, of_study
 from iva.identification.reports import written
 from iva.measured import Measured
 from iva.spelling import hint
-
-#: Endings of columns by number, for ``--column 2``.
-KINDS = ("siva", "piva")
 
 
 def parser() -> Parser:
@@ -41,7 +38,9 @@ def parser() -> Parser:
     made.add_argument("--begin", metavar="S", type=float, help="leave out what comes before")
     made.add_argument("--end", metavar="S", type=float, help="leave out what comes after")
     made.add_argument(
-        "--kind", metavar="KIND", help="siva (a free mass, by default) or piva (a pendulum)"
+        "--kind",
+        metavar="KIND",
+        help="siva (a free mass, by default), piva (a pendulum) or none (the structure alone)",
     )
     made.add_argument(
         "--study",
@@ -103,12 +102,13 @@ def known_of(study: str | None, kind: str | None) -> Known:
         If the kind is unknown or another than that of the study.
     """
     if kind is not None and kind not in KINDS:
-        raise ValueError(f"--kind {kind}: give siva or piva{hint(kind, KINDS)}")
+        raise ValueError(f"--kind {kind}: give siva, piva or none{hint(kind, KINDS)}")
     if study is None:
         return of_kind(kind or "siva")
     known = of_study(Path(study))
-    if kind is not None and kind != known.absorber._kind:
-        raise ValueError(f"--kind {kind}: the study has a {known.absorber._kind}; leave one out")
+    own = ALONE if known.absorber is None else known.absorber._kind
+    if kind is not None and kind != own:
+        raise ValueError(f"--kind {kind}: the study has a {own}; leave one out")
     return known
 
 

@@ -90,7 +90,8 @@ class Fit:
     quantity : str
         What was measured: displacement, velocity or acceleration.
     absorber, primary, start
-        The scene at the values of `parameters`.
+        The scene at the values of `parameters`; without an absorber that is ``None``, and there are
+        no impacts.
     duration : float
         From the release to the end of the record in s.
     chain : str
@@ -112,7 +113,7 @@ class Fit:
     noise: float
     draws: pl.DataFrame
     quantity: str
-    absorber: Siva | Piva
+    absorber: Siva | Piva | None
     primary: Primary
     start: Start
     duration: float

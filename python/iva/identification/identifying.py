@@ -44,7 +44,7 @@ class Record(Protocol):
 @spell_checked
 def identify(
     record: Record,
-    absorber: Siva | Piva,
+    absorber: Siva | Piva | None,
     primary: Primary,
     *,
     start: Start | None = None,
@@ -63,8 +63,9 @@ def identify(
     record : iva.Measured
         What the structure does: with a free mass its acceleration or velocity, with a pendulum its
         displacement or velocity.
-    absorber : Siva or Piva
-        Its kind. What is set in it is known exactly.
+    absorber : Siva, Piva or None
+        Its kind. What is set in it is known exactly. ``None``: there is none, as on a rig before
+        one is built; any quantity will do, and the record may begin in motion.
     primary : Primary
         As `absorber`.
     start : Start, optional
@@ -93,8 +94,11 @@ def identify(
     >>> fit = iva.identify(record, iva.Siva(), iva.Primary())  # doctest: +SKIP
     >>> fit.parameters  # doctest: +SKIP
     """
-    if not isinstance(absorber, Siva | Piva):
-        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva or an iva.Piva")
+    if not isinstance(absorber, Siva | Piva | None):
+        raise TypeError(
+            f"absorber = {shown(absorber)}: give an iva.Siva, an iva.Piva, or None for the "
+            "structure alone"
+        )
     if not isinstance(primary, Primary):
         raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
     start = Start() if start is None else start
@@ -103,13 +107,14 @@ def identify(
     whole("seed", seed, 0, 1 << 53)
     sampler()
     # What is imported here needs SciPy, which may be missing up to this point.
-    from iva.identification import free_mass, pendulum
+    from iva.identification import alone, free_mass, pendulum
     from iva.identification.answers import fit_of
     from iva.identification.stated import stated
 
     facts = stated(absorber, primary, start, known)
     recording, clock, floor = conditioned(record)
-    find = pendulum.identified if isinstance(absorber, Piva) else free_mass.identified
+    finds = {Siva: free_mass.identified, Piva: pendulum.identified}
+    find = alone.identified if absorber is None else finds[type(absorber)]
     found = find(recording, clock, floor, facts, seed)
     return fit_of(found, recording, facts, absorber, clock, record.quantity)
 

@@ -14,6 +14,9 @@ from iva.parameters import Piva, Primary, Siva, Start, shown
 from iva.sampling import Distribution
 from iva.spelling import hint
 
+#: The kind of no absorber, and all kinds.
+ALONE = "none"
+KINDS = (Siva._kind, Piva._kind, ALONE)
 #: The sections that are read.
 SECTIONS = ("primary", "absorber", "start", "known")
 
@@ -22,14 +25,24 @@ SECTIONS = ("primary", "absorber", "start", "known")
 class Known:
     """What is known beforehand."""
 
-    absorber: Siva | Piva
+    absorber: Siva | Piva | None
     primary: Primary = field(default_factory=Primary)
     start: Start = field(default_factory=Start)
     distributions: dict[str, Distribution] = field(default_factory=dict)
 
 
 def of_kind(kind: str, **fields: Any) -> Known:
-    """Return an absorber of a kind of which nothing else is known."""
+    """Return an absorber of a kind, of which nothing else is known, or none at all.
+
+    Raises
+    ------
+    ValueError
+        If there is none and fields of it are given.
+    """
+    if kind == ALONE:
+        if fields:
+            raise ValueError(f"absorber.{next(iter(fields))}: there is none; leave it out")
+        return Known(None)
     return Known(Piva(**fields) if kind == Piva._kind else Siva(**fields))
 
 
@@ -67,8 +80,8 @@ def of_sections(study: Mapping[str, Any]) -> Known:
             raise ValueError(f"{name} = {shown(section)}: give a section")
     absorber = dict(study.get("absorber", {}))
     kind = absorber.pop("kind", Siva._kind)
-    if kind not in (Siva._kind, Piva._kind):
-        raise ValueError(f"absorber.kind = {shown(kind)}: give siva or piva")
+    if kind not in KINDS:
+        raise ValueError(f"absorber.kind = {shown(kind)}: give siva, piva or none")
     distributions = {
         name: distribution(f"known.{name}", given)
         if isinstance(given, Mapping)

@@ -53,10 +53,13 @@ def written(fit: Fit, out: Path, record: str) -> None:
 def study(fit: Fit, record: str) -> str:
     """Return a study file of the scene that was found."""
     lines = [f"# Identified from {one_line(record)}.", "version = 1", "", "[absorber]"]
-    lines.append(f'kind = "{fit.absorber._kind}"')
-    if isinstance(fit.absorber, Piva):
-        lines += [f'{word} = "{getattr(fit.absorber, word)}"' for word in fit.absorber._words]
-    lines += [f"{name} = {value!r}" for name, value in given(fit.absorber).items()]
+    if fit.absorber is None:
+        lines.append('kind = "none"')
+    else:
+        lines.append(f'kind = "{fit.absorber._kind}"')
+        if isinstance(fit.absorber, Piva):
+            lines += [f'{word} = "{getattr(fit.absorber, word)}"' for word in fit.absorber._words]
+        lines += [f"{name} = {value!r}" for name, value in given(fit.absorber).items()]
     for part in (fit.primary, fit.start):
         lines += ["", f"[{part._part}]"]
         lines += [f"{name} = {value!r}" for name, value in given(part).items()]
@@ -78,8 +81,8 @@ def drawn(fit: Fit) -> dict[str, bytes]:
     from iva import plots
     from iva.plots.styles import figure_of
 
-    made = {}
-    for view in ("record", "residual", "restitution"):
+    made: dict[str, bytes] = {}
+    for view in plots.fits.VIEWS[: 3 if fit.impacts.height else 2]:
         axes = plots.fit(fit, view)
         buffer = BytesIO()
         figure_of(axes).savefig(buffer, format="png", dpi=150)
@@ -107,8 +110,8 @@ def page(fit: Fit, record: str, pictures: dict[str, bytes]) -> str:
     for name, picture in pictures.items():
         text = base64.b64encode(picture).decode("ascii")
         parts.append(f'<p><img alt="{name}" src="data:image/png;base64,{text}"></p>')
-    parts.append("<h2>Impacts</h2>")
-    parts.append(table(fit.impacts))
+    if fit.impacts.height:
+        parts += ["<h2>Impacts</h2>", table(fit.impacts)]
     return (
         '<!doctype html><html lang="en"><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width">'

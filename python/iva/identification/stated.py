@@ -64,7 +64,7 @@ class Stated:
 
 
 def stated(
-    absorber: Siva | Piva, primary: Primary, start: Start, known: Mapping[str, object] | None
+    absorber: Siva | Piva | None, primary: Primary, start: Start, known: Mapping[str, object] | None
 ) -> Stated:
     """Return what is known of each number.
 
@@ -79,6 +79,8 @@ def stated(
     taken: dict[str, float] = {}
     masses: dict[str, float] = {}
     for part in (absorber, primary, start):
+        if part is None:
+            continue
         for name, value in given(part).items():
             path = f"{part._part}.{name}"
             if name in ("mass", "stiffness"):

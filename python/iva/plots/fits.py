@@ -19,13 +19,14 @@ from iva.spelling import spell_checked
 
 #: What was measured → symbol and unit.
 MEASURED = {"displacement": ("x", "m"), "velocity": ("v", "m/s"), "acceleration": ("a", "m/s²")}
-VIEWS = ("record", "residual", "restitution")
+View = Literal["record", "residual", "restitution"]
+VIEWS: tuple[View, ...] = ("record", "residual", "restitution")
 
 
 @spell_checked
 def fit(
     found: Fit,
-    show: Literal["record", "residual", "restitution"] = "record",
+    show: View = "record",
     *,
     until: float | None = None,
     ax: Axes | None = None,
@@ -55,12 +56,14 @@ def fit(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If there is no such view.
+        If there is no such view, or the fit has no impacts to show.
     """
     if not isinstance(found, Fit):
         raise TypeError(f"found = {shown(found)}: give an iva.Fit, of iva.identify")
     if show not in VIEWS:
         raise ValueError(f"show = {shown(show)}: give one of {', '.join(VIEWS)}")
+    if show == "restitution" and not found.impacts.height:
+        raise ValueError('show = "restitution": the fit has no impacts; give record or residual')
     with drawing_on(ax) as axes:
         if show == "restitution":
             of_impacts(found, axes)
@@ -82,6 +85,8 @@ def of_record(found: Fit, axes: Axes) -> None:
     axes.plot(found.time, found.prediction, color=CURVES[0], linewidth=0.7, label="model")
     for wall, marker, place in ((1, "v", 0.98), (-1, "^", 0.02)):
         at = found.impacts.filter(found.impacts["wall"] == wall)["time"]
+        if not len(at):
+            continue
         axes.plot(
             at,
             np.full(len(at), place),
