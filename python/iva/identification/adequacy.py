@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import stdtr
 
 from iva.identification.responses import Values
@@ -18,6 +19,10 @@ LINE = 40.0
 #: Scatter of restitution, and play of a wall, beyond which one law of contact is no model.
 MOST_SCATTER = 0.2
 MOST_PLAY = 0.02
+#: Share of a record that may be left over, and how much louder than noise that is otherwise.
+UNEXPLAINED, LOUDER = 0.03, 1.5
+#: Least number of values at one end that are cut off.
+CUT = 4
 
 
 def law_of_restitution(
@@ -119,6 +124,48 @@ def lines_of(rest: Values, weights: Values, sampling_hz: float, frequency_hz: fl
     return [f"something rings at {hertz:.4g} Hz that the model has not, such as a second mode"]
 
 
+def noise_of(values: Values, good: NDArray[np.bool_]) -> float:
+    """Return the standard deviation of noise, from differences of neighbours that both count."""
+    pairs = good[1:] & good[:-1]
+    if not pairs.any():
+        return 0.0
+    return float(1.4826 * np.median(np.abs(np.diff(values)[pairs])) / np.sqrt(2))
+
+
+def unexplained(values: Values, rest: Values, good: NDArray[np.bool_], floor: float) -> list[str]:
+    """Return whether more is left over than noise, in words; empty if not.
+
+    Parameters
+    ----------
+    values, rest : ndarray, shape (n,)
+        Measured, and measured less modelled.
+    good : ndarray of bool, shape (n,)
+        True where a sample counts.
+    floor : float
+        Standard deviation of what is noise at any rate.
+    """
+    if good.sum() < 20:
+        return []
+    left, all_of_it = float(np.std(rest[good])), float(np.std(values[good]))
+    if left < UNEXPLAINED * all_of_it or left < LOUDER * max(noise_of(values, good), floor):
+        return []
+    return [f"{left / all_of_it:.0%} of the record is neither the motion of the model nor noise"]
+
+
+def cut_off(values: Values) -> list[str]:
+    """Return whether a recorder has cut off the largest values, in words; empty if not."""
+    spread = float(np.max(values) - np.min(values))
+    step = float(np.min(np.diff(np.unique(values)), initial=spread))
+    for end in (np.max(values), np.min(values)):
+        flat = np.abs(values - end) <= 1e-9 * spread
+        # A top that is rounded has neighbours one step of the recorder lower; one that is cut off
+        # has nothing near it.
+        near = (np.abs(values - end) <= max(0.02 * spread, 3 * step)) & ~flat
+        if np.sum(flat) >= CUT and np.sum(flat) > 2 * np.sum(near):
+            return [f"values are cut off at {end:.4g}, {np.sum(flat)} of them"]
+    return []
+
+
 def contact_law(scatter: float, play: float) -> list[str]:
     """Return whether the impacts are too unlike each other for one law, in words."""
     made = []
@@ -129,4 +176,4 @@ def contact_law(scatter: float, play: float) -> list[str]:
     return made
 
 
-__all__ = ["contact_law", "law_of_restitution", "lines_of"]
+__all__ = ["contact_law", "cut_off", "law_of_restitution", "lines_of", "unexplained"]

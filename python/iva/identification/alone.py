@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from iva.identification.adequacy import lines_of
+from iva.identification.adequacy import cut_off, lines_of, unexplained
 from iva.identification.beginnings import onset
 from iva.identification.fits import Found
 from iva.identification.modes import Decay, columns, decay_of, rates
@@ -27,8 +27,6 @@ ENOUGH = 8
 #: Phase in rad within which a structure that was let go is at rest, and what is left of its speed.
 NEAR = 0.3
 AT_REST = 1e-6
-#: Share of a record that may be left over.
-UNEXPLAINED = 0.03
 #: Logarithm of a density below that in the middle, from which a distribution is contradicted.
 FAR = 18.0
 #: What may be known of a structure alone.
@@ -86,7 +84,14 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     if given is not None or np.all(np.abs(draws["velocity"]) < AT_REST * speed):
         del draws["velocity"]
     draws = believed(draws, known, seed)
-    reasons = amplitude_law(recording, made) + left_over(recording, made, floor)
+    reasons = amplitude_law(recording, made)
+    every = np.ones(made.rest.size, bool)
+    if unexplained(recording.values[first:], made.rest, every, floor):
+        reasons.append(
+            f"{made.noise / float(np.std(recording.values[first:])):.0%} of the record is neither "
+            "a decaying oscillation nor noise, such as impacts or a second event"
+        )
+    reasons += cut_off(recording.values)
     weights = np.full(made.rest.size, 1 / noise)
     reasons += lines_of(made.rest, weights, rate, hertz)
     others = " and ".join(f"{omega / 2 / np.pi:.4g} Hz" for omega in made.omegas[1:])
@@ -263,19 +268,6 @@ def amplitude_law(recording: Recording, made: Decay) -> list[str]:
     if end > begin:
         return [f"damping depends on amplitude: {told}; dry friction rises so as motion dies"]
     return [f"damping depends on amplitude: {told}; an absorber or air drag falls so"]
-
-
-def left_over(recording: Recording, made: Decay, floor: float) -> list[str]:
-    """Return what the oscillations do not explain, in words; empty if it is noise."""
-    rest = made.rest
-    noise = max(1.4826 * float(np.median(np.abs(np.diff(rest)))) / np.sqrt(2), floor)
-    share = made.noise / float(np.std(recording.values[made.first :]))
-    if share < UNEXPLAINED or made.noise < 1.5 * noise:
-        return []
-    return [
-        f"{share:.0%} of the record is neither a decaying oscillation nor noise, such as impacts "
-        "or a second event"
-    ]
 
 
 __all__ = ["identified"]

@@ -98,6 +98,11 @@ def rough_frequency(values: Values, sampling_hz: float, order: int) -> float:
     order : int
         0 for a displacement, 1 for a velocity, 2 for an acceleration.
     """
+    if order == 2:
+        # Pulses of impacts are far higher than the motion, and have all frequencies.
+        middle = float(np.median(values))
+        limit = 2 * float(np.quantile(np.abs(values - middle), 0.9))
+        values = np.clip(values, middle - limit, middle + limit)
     window = np.hanning(values.size)
     size = 4 * values.size
     height = np.abs(np.fft.rfft((values - values.mean()) * window, size))

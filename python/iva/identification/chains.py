@@ -93,11 +93,21 @@ def passed(kind: str, ratio: Values) -> np.ndarray:
 class Pulse:
     """The pulse of a unit jump at one sample a second, over samples from the impact.
 
-    ``height`` (area 1, centroid 0), and ``width``: its derivative by the variance of the contact.
+    ``height`` (area 1, centroid 0), ``width``: its derivative by the variance of the contact, and
+    ``step``: what a contact of no length makes of a unit step, less that step.
     """
 
     height: CubicSpline
     width: CubicSpline
+    step: CubicSpline
+
+    def smear(self, offset: Values) -> Values:
+        """Return what the filter makes of a unit step, less the step, at offsets in samples."""
+        inside = np.abs(offset) < HALF - 1
+        made: Values = np.where(
+            inside, self.step(np.where(inside, offset, 0.0)) - (offset > 0), 0.0
+        )
+        return made
 
 
 @lru_cache(maxsize=64)
@@ -109,15 +119,19 @@ def pulse_of(chain: SensorChain) -> Pulse:
         change = 0.02 * length
         longer, shorter = half_sine(at, length + change), half_sine(at, length - change)
         wider = VARIANCE * ((length + change) ** 2 - (length - change) ** 2)
-        return Pulse(
-            CubicSpline(at, half_sine(at, length)), CubicSpline(at, (longer - shorter) / wider)
-        )
+        sharp = CubicSpline(at, (at > 0).astype(float))
+        height = CubicSpline(at, half_sine(at, length))
+        return Pulse(height, CubicSpline(at, (longer - shorter) / wider), sharp)
     frequency: Values = np.fft.fftfreq(at.size, 1 / FINE).astype(np.float64)
-    spectrum = passed(chain.kind, frequency / chain.cutoff) * force(frequency * chain.contact)
+    filtered = passed(chain.kind, frequency / chain.cutoff)
+    spectrum = filtered * force(frequency * chain.contact)
     # Of a contact whose variance is larger by v the spectrum is smaller by v (2πf)²/2.
     wide = -0.5 * (2 * np.pi * frequency) ** 2 * spectrum
-    height, width = (np.fft.fftshift(np.fft.ifft(one).real) * FINE for one in (spectrum, wide))
-    return Pulse(CubicSpline(at, height), CubicSpline(at, width))
+    height, width, short = (
+        CubicSpline(at, np.fft.fftshift(np.fft.ifft(one).real) * FINE)
+        for one in (spectrum, wide, filtered)
+    )
+    return Pulse(height, width, short.antiderivative())
 
 
 def half_sine(at: Values, length: float) -> Values:

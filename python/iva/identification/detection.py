@@ -23,6 +23,8 @@ LOWER = 2 * UPPER * np.sinc(2 * UPPER * TAPS) * np.hanning(TAPS.size + 2)[1:-1]
 KERNEL = (TAPS == 0) - LOWER / LOWER.sum()
 #: How many deviations of the noise an impact stands out.
 CLEAR = 6.0
+#: Size of the smallest pulse that is looked for, over the largest that is left.
+DYNAMIC = 3e-3
 #: Places between two samples at which a pulse is tried.
 PARTS = 20
 #: A smaller one within this many samples of a larger counts only above `SHARE` of it.
@@ -50,6 +52,7 @@ def pulses_in(
     shares: Values | None = None,
     share: float = 0.3,
     closed: tuple[tuple[int, int], ...] = (),
+    present: tuple[Values, Values] = (np.zeros(0), np.zeros(0)),
     limit: int = 400,
 ) -> tuple[Values, Values]:
     """Return instants from the first sample in s and jumps of velocity of all pulses.
@@ -68,6 +71,8 @@ def pulses_in(
         Size below which a pulse beside a larger one is taken for what that one has left over.
     closed : tuple of (first, last)
         Samples between which no impact is looked for.
+    present : tuple of ndarray, shape (m,)
+        Instants and jumps of pulses that have been taken out of the values before.
     limit : int
         Most impacts.
 
@@ -80,11 +85,13 @@ def pulses_in(
     table = high_pulses(shape, shares, np.arange(PARTS) / PARTS) * sampling_hz
     energy = np.sum(table**2, axis=1)
     match = np.convolve(rest, table[0][::-1], mode="same") / energy[0]
-    noise = max(deviation(match), 1e-300)
+    largest = max(float(np.max(np.abs(match))), float(np.max(np.abs(present[1]), initial=0.0)))
+    noise = max(deviation(match), DYNAMIC * largest / CLEAR, 1e-300)
     barred = np.zeros(count, dtype=bool)
     for first, last in closed:
         barred[max(first, 0) : max(last + 1, 0)] = True
     found: list[tuple[float, float]] = []
+    others = list(zip(present[0] * sampling_hz, present[1], strict=True))
     padded = np.pad(rest, span)  # sample i stands at i + span
     while len(found) < limit:
         strength = np.where(barred, 0.0, np.abs(match))
@@ -102,7 +109,7 @@ def pulses_in(
         around = slice(max(middle - 2 * span, 0), min(middle + 2 * span + 1, count))
         local = padded[around.start : around.stop + 2 * span]
         match[around] = np.correlate(local, table[0], mode="valid") / energy[0]
-        beside = [abs(other) for spot, other in found if abs(spot - at) < NEAR]
+        beside = [abs(other) for spot, other in found + others if abs(spot - at) < NEAR]
         close = min((abs(spot - at) for spot, _ in found), default=np.inf)
         if close < 2.0 or (beside and abs(size) < share * max(beside)):
             barred[max(place - 3, 0) : place + 4] = True

@@ -24,16 +24,31 @@ from iva.identification.records import (
 )
 from iva.identification.refining import Known, Refined, refine
 from iva.identification.responses import Values
+from iva.identification.verdicts import NO_IMPACT, few_enough
 
 #: Width in rad/s of what is expected of the corner of a high pass: half a hertz.
 CORNERS = np.pi
 #: Standard deviation of the variances of contacts about their mean, in samples², at first and at
 #: least.
 WIDTHS, LEAST_WIDTHS = 0.02, 1e-4
+#: Samples beside the release that do not count, and the part of a period after it in which no
+#: impact of an acceleration is looked for.
+NEAR, DEAD = 8, 0.12
+#: How far pulses may be from one shape, relative, after impacts were taken out.
+LOOSE = 0.05
+#: Samples that the instant at which motion is seen to set in may be off.
+ONSET = 10.0
+#: Deviations of a jump that is one.
+SURE = 5.0
+#: Part of a period that is masked beside an impact of a velocity at first, and the deviations of
+#: the noise above which samples are masked later.
+SMEAR, SMEARED = 0.03, 6.0
 #: Power of a line of the answer to impacts, over the median, that makes it a further mode.
 LINE = 60.0
 #: Least length of a record after the release, in periods.
 PERIODS = 1.2
+#: Rounds after which a record of which such a share is left over is not refined further.
+HOPELESS, UNLIKE = 4, 0.1
 #: Most rounds of refinement.
 ROUNDS = 20
 #: How often impacts are looked for in what is left over.
@@ -99,17 +114,20 @@ def explained(
     span = float(recording.time[-1]) - max(start or 0.0, 0.0)
     if span * hertz < PERIODS:
         raise ValueError(
-            f"record: it ends {span:.3g} s after the release, less than {PERIODS:g} periods; give "
-            "a longer one"
+            f"record: it ends {span:.3g} s after the release, less than {PERIODS:g} periods, or "
+            "nothing in it oscillates; give a longer one"
         )
     recording = replace(recording, powers=powers_of(span * hertz))
-    dead = REACH / rate if order == 2 else SIDE / hertz
+    dead = min(REACH, max(NEAR, int(DEAD * rate / hertz))) / rate if order == 2 else SIDE / hertz
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
     times, jumps = found_in(recording, recording.values, hertz, (edge,))
     if not times.size:
+        raise ValueError(NO_IMPACT)
+    if not few_enough(times.size, span * hertz):
         raise ValueError(
-            "record: no impact is found in it; give a record in which the absorber strikes"
+            f"record: {times.size} pulses stand out of it in {span * hertz:.3g} periods, more than "
+            "a mass between two walls makes; give a record without what else strikes or rings"
         )
     omega, zeta, instant, size, _ = scanned(recording, hertz, first, times, jumps)
     if start is None and abs(instant) > 3 / rate:
@@ -121,6 +139,9 @@ def explained(
     )
     for place, value in fixed.items():
         head[place] = value
+    if begin is None and start is not None and RELEASE not in priors:
+        # Motion is seen to set in: a release far from there would be another one.
+        priors = {**priors, RELEASE: (start, ONSET / rate)}
     shape = recording.shape
     pulse = np.zeros(0 if shape is None else shape.size)
     widths = np.zeros(0 if shape is None else times.size)
@@ -128,9 +149,10 @@ def explained(
     inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse, widths)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
     width = WIDTHS
+    smear = min(REACH, max(int(SMEAR * rate / hertz), 2))
     searches_left = SEARCHES
     for attempt in range(ROUNDS):
-        mask = masked(recording, inputs, begin is None and start is None)
+        mask = masked(recording, inputs, begin is None and start is None, smear)
         known = known_of(recording, inputs, fixed, priors, width)
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
@@ -139,6 +161,10 @@ def explained(
         rest = recording.values - recording.model(inputs)
         before = (noise, roughness)
         noise, roughness = spread(recording, inputs, rest, mask, floor)
+        if order == 1 and attempt > 0:
+            smear = smeared(recording, inputs, rest, noise)
+        if attempt >= HOPELESS and noise > UNLIKE * float(np.std(recording.values[mask])):
+            break
         # Not all at once: sharp pulses far from where they belong find no way back.
         roughness = max(roughness, before[1] / 3)
         if attempt < 2 or abs(noise / before[0] - 1) > 0.05 or roughness < 0.8 * before[1]:
@@ -148,14 +174,25 @@ def explained(
         if line is not None:
             inputs = replace(inputs, modes=np.vstack([inputs.modes, line]))
             continue
+        inputs = pruned(recording, refined)
+        if inputs.times.size < refined.inputs.times.size:
+            # Pulses that move find their places only while they need not agree to the last digit.
+            roughness = max(roughness, LOOSE)
+            continue
         if not searches_left:
             break
         searches_left -= 1
         closed = tuple(closed_by(recording, inputs, dead))
-        more, sizes = found_in(recording, rest, hertz, closed, inputs.pulse, noise)
-        if not more.size:
+        more, sizes = found_in(recording, rest, hertz, closed, inputs, noise)
+        if not more.size or not few_enough(inputs.times.size + more.size, span * hertz):
             break
         inputs = inputs.with_more(more, sizes)
+    if inputs.vector().size != refined.inputs.vector().size:
+        # The rounds have ended on a change.
+        mask = masked(recording, inputs, begin is None and start is None, smear)
+        recording.weights = weighted(recording, inputs, mask, noise, roughness)
+        refined = refine(recording, inputs, known_of(recording, inputs, fixed, priors, width))
+        inputs = refined.inputs
     modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
 
@@ -179,6 +216,33 @@ def with_chain(recording: Recording, release: float | None) -> Recording:
     return replace(recording, shape=Shape(chain))
 
 
+def pruned(recording: Recording, refined: Refined) -> Inputs:
+    """Return the numbers without impacts that are none.
+
+    These have left the record, or have a jump that is not clear of zero; two at one place are one.
+    """
+    inputs = refined.inputs
+    own = np.sqrt(np.diag(refined.covariance)[inputs.impacts][inputs.times.size :])
+    times, jumps = inputs.times.copy(), inputs.jumps.copy()
+    keep = (times > inputs.head[RELEASE]) & (times < recording.time[-1])
+    clear = np.abs(jumps) > SURE * own
+    for hit in np.argsort(np.abs(jumps)):
+        near = np.abs(times - times[hit]) < 2.0 / recording.sampling_hz
+        near &= keep & (np.abs(jumps) >= np.abs(jumps[hit]))
+        near[hit] = False
+        if keep[hit] and near.any():
+            # Neither is clear of zero while they stand for each other.
+            other = int(np.argmax(near))
+            both = jumps[hit] + jumps[other]
+            times[other] += (times[hit] - times[other]) * jumps[hit] / both
+            jumps[other], keep[hit], clear[other] = both, False, True
+    keep &= clear
+    if np.all(keep) or not np.any(keep):
+        return inputs
+    widths = inputs.widths[keep] if inputs.widths.size else inputs.widths
+    return replace(inputs, times=times[keep], jumps=jumps[keep], widths=widths)
+
+
 def powers_of(periods: float) -> int:
     """Return how many powers of time a trend may have that cannot be taken for the motion."""
     return 1 + int(np.searchsorted([3.0, 6.0, 10.0], periods))
@@ -189,34 +253,75 @@ def found_in(
     values: Values,
     hertz: float,
     closed: tuple[tuple[int, int], ...],
-    pulse: Values | None = None,
+    inputs: Inputs | None = None,
     noise: float | None = None,
 ) -> tuple[Values, Values]:
-    """Return instants and jumps of the impacts that stand out of values of a record."""
+    """Return instants and jumps of the impacts that stand out of values of a record.
+
+    Parameters
+    ----------
+    recording : Recording
+        The record.
+    values : ndarray, shape (n,)
+        The record, or what is left of it.
+    hertz : float
+        Frequency of the structure.
+    closed : tuple of (first, last)
+        Samples between which none is looked for.
+    inputs : Inputs, optional
+        What has been taken out of the values.
+    noise : float, optional
+        Standard deviation of a sample.
+    """
     if recording.order == 2:
-        assert recording.shape is not None
-        share = 0.3 if pulse is None else 0.05
-        return pulses_in(values, recording.sampling_hz, recording.shape, pulse, share, closed)
+        rate, shape = recording.sampling_hz, recording.shape
+        assert shape is not None
+        if inputs is None:
+            return pulses_in(values, rate, shape, closed=closed)
+        present = (inputs.times, inputs.jumps)
+        return pulses_in(values, rate, shape, inputs.pulse, 0.05, closed, present)
     times, jumps, _, _ = kinks_in(
         values, recording.sampling_hz, hertz, recording.order, noise, closed
     )
     return times, jumps
 
 
-def masked(recording: Recording, inputs: Inputs, begins_in_motion: bool) -> NDArray[np.bool_]:
+def masked(
+    recording: Recording, inputs: Inputs, begins_in_motion: bool, smear: int
+) -> NDArray[np.bool_]:
     """Return which samples count: not those that the filter of the recorder has smeared."""
     rate, release = recording.sampling_hz, inputs.head[RELEASE]
-    edge = (2, 2, REACH)[recording.order]
+    edge = (2, 2, NEAR)[recording.order]
     mask: NDArray[np.bool_] = np.abs(recording.time - release) > edge / rate
     if begins_in_motion:
         mask &= recording.time > release
     if recording.order < 2:
         # So near the end no impact is seen, and what it does would be taken for something else.
         mask &= recording.time < recording.time[-1] - 2 * np.pi / inputs.head[OMEGA] * SIDE
-        smeared = (2, REACH)[recording.order]
+        smeared = 2 if recording.order == 0 else smear
         for time in inputs.times:
             mask &= np.abs(recording.time - time) > smeared / rate
     return mask
+
+
+def smeared(recording: Recording, inputs: Inputs, rest: Values, noise: float) -> int:
+    """Return how many samples beside an impact of a velocity the recorder has smeared.
+
+    What is left at a distance from all impacts, each over its jump, is averaged with jump² as
+    weight: where it stands out of the noise, samples do not show the motion.
+    """
+    places = np.rint(inputs.times * recording.sampling_hz).astype(int)
+    away = np.arange(-REACH, REACH + 1)
+    samples = places[:, None] + away
+    inside = (samples >= 0) & (samples < rest.size)
+    # A neighbour's own smear is no sign of this one's.
+    apart = np.abs(samples[:, :, None] - places[None, None, :]).min(axis=2) == np.abs(away)
+    use = (inside & apart) * inputs.jumps[:, None] ** 2
+    energy = np.maximum(use.sum(axis=0), 1e-300)
+    left = np.where(inside, rest[np.clip(samples, 0, rest.size - 1)], 0.0)
+    mean = np.sum(use * left / inputs.jumps[:, None], axis=0) / energy
+    stands = np.abs(mean) * np.sqrt(energy) > SMEARED * noise
+    return int(np.max(np.abs(away)[stands], initial=0)) + 2
 
 
 def closed_by(recording: Recording, inputs: Inputs, dead: float) -> list[tuple[int, int]]:

@@ -5,8 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
+from iva.identification.adequacy import (
+    contact_law,
+    cut_off,
+    law_of_restitution,
+    lines_of,
+    unexplained,
+)
 from iva.identification.combinations import in_words, null_directions
 from iva.identification.explaining import Explained, explained, with_chain
 from iva.identification.fits import Found
@@ -17,6 +24,7 @@ from iva.identification.pulses import WIDE
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
 from iva.identification.stated import Stated
+from iva.identification.verdicts import check
 from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
 
 #: Number → place in the head of a record, and the factor from its unit to that of the head.
@@ -26,7 +34,8 @@ HEADS = {
     "release": (RELEASE, 1.0),
     "displacement": (SIZE, 1.0),
 }
-#: Periods of a record that is cut at a missed impact.
+#: Periods and impacts of a record that is cut at a missed impact are more than these.
+FEW = 3
 LEAST_PERIODS = 2.0
 #: Draws of the record's own numbers.
 DRAWS = 500
@@ -68,15 +77,11 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         # A filter that delays the motion delays the clock.
         clock -= recording.shape.chain.delay / recording.sampling_hz
         chain = recording.shape.chain.words(recording.sampling_hz)
+    check(recording, None if given is None else given - clock, clock, floor)
     shown, best, beliefs = followed(recording, clock, floor, known)
     notes, reasons = [], []
     every = shown.refined.inputs.times
     if best.hits < every.size:
-        if best.hits < 3:
-            raise ValueError(
-                "record: its impacts do not follow each other as those of a free mass; give another"
-                " absorber or a record of one"
-            )
         if best.hits < 0.5 * every.size:
             reasons.append("most impacts do not follow from those before as those of a free mass")
         # Of a missed impact the later record would be explained by what is not there.
@@ -93,7 +98,7 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
             weights=np.zeros(0),
         )
         periods = (end - shown.refined.inputs.head[RELEASE]) * shown.hertz
-        if periods > LEAST_PERIODS:
+        if periods > LEAST_PERIODS and best.hits > FEW:
             shown, best, beliefs = followed(begun, clock, floor, known)
     inputs, covariance = shown.refined.inputs, shown.refined.covariance
     pull = pull_of(beliefs)
@@ -125,6 +130,9 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     draws = {name: values[keep] for name, values in draws.items()}
     each = each[keep]
     words = combinations_of(used, middle, pull, beliefs)
+    rest = shown.recording.values - shown.recording.model(inputs)
+    reasons += unexplained(shown.recording.values, rest, shown.mask & quiet(shown), floor)
+    reasons += cut_off(recording.values)
     reasons += judged(shown, used, middle, pull, drawn)
     if shown.modes_hz:
         listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
@@ -327,6 +335,12 @@ def combinations_of(
     directions = null_directions(scaled)
     chosen = tuple(names[index] for index in free)
     return tuple(in_words(directions[:, column], chosen) for column in range(directions.shape[1]))
+
+
+def quiet(shown: Explained) -> NDArray[np.bool_]:
+    """Return which samples are away from pulses, shape (n,)."""
+    far: NDArray[np.bool_] = shown.recording.reach(shown.refined.inputs) < shown.noise
+    return far
 
 
 def judged(

@@ -17,6 +17,8 @@ from iva.spelling import spell_checked
 
 #: Frequencies of the mains in Hz.
 MAINS = (50.0, 60.0)
+#: Noise that is assumed at least, over the standard deviation of the record.
+LITTLE = 1e-4
 #: Least number of samples, and of periods, of a record that is looked at.
 LEAST = 200
 
@@ -115,7 +117,14 @@ def identify(
     recording, clock, floor = conditioned(record)
     finds = {Siva: free_mass.identified, Piva: pendulum.identified}
     find = alone.identified if absorber is None else finds[type(absorber)]
-    found = find(recording, clock, floor, facts, seed)
+    try:
+        with np.errstate(all="ignore"):
+            found = find(recording, clock, floor, facts, seed)
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            "record: the fit broke down, its numbers do not determine a model; give a longer "
+            "record, a higher sampling rate, or what is known"
+        ) from None
     return fit_of(found, recording, facts, absorber, clock, record.quantity)
 
 
@@ -143,13 +152,14 @@ def conditioned(record: Record) -> tuple[Recording, float, float]:
         raise ValueError("record.values: some are not finite; give numbers only")
     rate = float(record.sampling_hz)
     steps = np.abs(np.diff(np.unique(values)))
-    bit = float(steps.min()) if steps.size else 0.0
     if not steps.size:
         raise ValueError("record.values: they are all the same; give a decay")
+    # A record without noise is explained to within what is left out here at any rate.
+    floor = max(float(steps.min()) / np.sqrt(12), LITTLE * float(np.std(values)))
     evenly = np.arange(values.size) / rate
     order = ORDERS[record.quantity]
     mains = tuple(hertz for hertz in MAINS if hertz < 0.45 * rate)
-    return Recording(evenly, values, order, rate, mains), float(time[0]), bit / np.sqrt(12)
+    return Recording(evenly, values, order, rate, mains), float(time[0]), floor
 
 
 __all__ = ["identify"]

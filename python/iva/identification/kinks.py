@@ -9,6 +9,8 @@ from iva.identification.responses import Values
 
 #: How many deviations of the noise a kink stands out.
 CLEAR = 7.0
+#: Noise that is assumed at least, over the standard deviation of the record.
+LITTLE = 3e-4
 #: Degree of the polynomial that the motion is beside it.
 DEGREE = 4
 #: Part of a period on each side of a place that is compared with one with a kink in it.
@@ -48,9 +50,14 @@ def kinks_in(
     side = max(int(SIDE * sampling_hz / frequency_hz), FEWEST)
     place = np.arange(-side, side + 1) / side
     smooth = place[:, None] ** np.arange(DEGREE + 1)
+    if order == 1:
+        # A velocity between impacts is a wave: three powers of a curve and it leave less over.
+        phase = 2 * np.pi * frequency_hz * place * side / sampling_hz
+        smooth = np.column_stack([smooth[:, :3], np.cos(phase), np.sin(phase)])
     basis, _ = np.linalg.qr(smooth)
     if noise is None:
         noise = noise_of(values, basis)
+    noise = max(noise, LITTLE * float(np.std(values)))
     size, variance, parts = values.size, np.inf, np.linspace(-0.5, 0.5, 11)
     best = np.zeros(size)
     jump, offset = np.zeros(size), np.zeros(size)

@@ -115,7 +115,8 @@ def strongest(rest: Values, sampling_hz: float, taken: list[float]) -> float | N
     Beside lines that are taken none is looked for: there an oscillation would stand for what the
     first one does beyond a constant damping.
     """
-    window = np.hanning(rest.size)
+    # It falls from the first sample on, so that what dies soon is seen.
+    window = np.hanning(2 * rest.size)[rest.size :]
     power = np.abs(np.fft.rfft(rest * window)) ** 2
     hertz = np.fft.rfftfreq(rest.size, 1 / sampling_hz)
     inside = (hertz > 2 * sampling_hz / rest.size) & (hertz < 0.45 * sampling_hz)
@@ -124,7 +125,8 @@ def strongest(rest: Values, sampling_hz: float, taken: list[float]) -> float | N
     if not inside.any() or not power[inside].max() > 0:
         return None
     best = int(np.argmax(np.where(inside, power, 0.0)))
-    near = power[max(best - 200, 0) : best + 200]
+    wide = max(power.size // 10, 100)
+    near = power[max(best - wide, 0) : best + wide]
     floor = max(float(np.median(near)), 1e-12 * float(power[inside].max()))
     if power[best] < LINE * floor:
         return None

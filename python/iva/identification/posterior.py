@@ -7,6 +7,7 @@ impact and all numbers of the record are integrated out in closed form.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,6 +33,13 @@ LIVE = 100
 WIDTH = 7.0
 #: Standard deviation (relative) up to which a number counts as determined for that box.
 NARROW = 0.06
+#: Points of which one must be possible.
+TRIED = 400
+IMPOSSIBLE = (
+    "record: its first impacts are those of no free mass: the structure is pushed the way that a "
+    "mass let go with it could not push; give the instant of the release, another absorber, or a "
+    "record without a second mode"
+)
 #: Logarithm of a density that stands for impossible.
 NEVER = -1e100
 
@@ -169,11 +177,20 @@ def sampled(
         return max(made, NEVER) if np.isfinite(made) else NEVER
 
     random = np.random.default_rng(seed)
+    with np.errstate(all="ignore"):
+        tried = [density(cube) for cube in random.random((TRIED, size))]
+    if not max(tried) > NEVER / 2:
+        raise ValueError(IMPOSSIBLE)
     run = dynesty.NestedSampler(
         density, lambda cube: cube, size, nlive=LIVE, bootstrap=0, rstate=random, **how
     )
-    run.run_nested(dlogz=0.1, print_progress=False)
+    with warnings.catch_warnings():
+        # It warns of a density that is the same everywhere, which is said below.
+        warnings.simplefilter("ignore", UserWarning)
+        run.run_nested(dlogz=0.1, print_progress=False)
     results = run.results
+    if not np.max(results.logl) > NEVER / 2:
+        raise ValueError(IMPOSSIBLE)
     cubes = results.samples_equal(rstate=random)
     return Draws(np.array([draw(cube)[0] for cube in cubes]), int(np.sum(results.ncall)))
 

@@ -35,6 +35,7 @@ class Shape:
     """What pulses of a chain are made of."""
 
     chain: SensorChain
+    fading: float = FADING
 
     @cached_property
     def sincs(self) -> Values:
@@ -61,7 +62,7 @@ class Shape:
 
     def deviations(self) -> Values:
         """Return how large each share may be, shape (size,)."""
-        made = SHAPES * np.exp(-np.abs(self.sincs) / FADING)
+        made = SHAPES * np.exp(-np.abs(self.sincs) / self.fading)
         if self.sincs.size:
             return np.concatenate([made, np.full(1 + self.splines.size, SHAPES)])
         return np.full(self.size, SHAPES)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from iva.identification.chains import pulse_of
 from iva.identification.pulses import WIDE, Shape, places_of
 from iva.identification.responses import Response, Values, rate_of, to_jump, to_release
 
@@ -134,6 +135,10 @@ class Recording:
         made = size * free.total(self.time, np.array([release]), np.ones(1))
         if self.order == 0:
             made = made + size * (self.time <= release)
+        if self.shape is not None:
+            # The acceleration steps at the release, and the filter smears that step.
+            offset = (self.time - release) * self.sampling_hz
+            made = made - size * omega**2 * pulse_of(self.shape.chain).smear(offset)
         moved: Values = made + jump.total(self.time, inputs.times, inputs.jumps)
         return moved
 
@@ -187,6 +192,13 @@ class Recording:
         free = to_release(omega, zeta, corner, self.order)
         made[:, RELEASE] = -size * free.slope().total(self.time, np.array([release]), np.ones(1))
         made[:, SIZE] = free.total(self.time, np.array([release]), np.ones(1))
+        if self.shape is not None:
+            offset = (self.time - release) * self.sampling_hz
+            filtered = pulse_of(self.shape.chain)
+            made[:, SIZE] -= omega**2 * filtered.smear(offset)
+            near = np.abs(offset) < WIDE
+            steep = filtered.step(offset[near], 1) * self.sampling_hz
+            made[near, RELEASE] += size * omega**2 * steep
         if self.order == 0:
             made[:, SIZE] += self.time <= release
 
