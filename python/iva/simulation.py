@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import polars as pl
 
     from iva.lengths_in_mm import RunInMm
+    from iva.measured import Measured
+    from iva.measured.records import Quantity
     from iva.parameters import Absorbers, Spec
 
 
@@ -138,6 +140,8 @@ class Run(RunTables):
             :meth:`trajectory`. At an impact, to four
             rounding units of the time, it is the state just after it. After an early end of the run
             (an outcome other than ``finished``) all columns but ``point`` and ``time`` are null.
+            An impact takes no time here, so ``acceleration`` has no pulse at it: what a sensor
+            would have shown is made by :meth:`recorded`.
 
         Raises
         ------
@@ -158,6 +162,70 @@ class Run(RunTables):
         [-0.989992, 1.0]
         """
         return to_polars(_iva.states(self._spec, numbers("times", times)))
+
+    @spell_checked
+    def recorded(
+        self,
+        rate_hz: float,
+        *,
+        quantity: Quantity = "acceleration",
+        contact_time: float = 1e-3,
+        filter: str | None = "linear phase",  # noqa: A002 (the word of the field)
+        cutoff_hz: float | None = None,
+        before: float = 0.0,
+        noise: float = 0.0,
+        seed: int = 0,
+    ) -> Measured:
+        """Return the record that a sensor on the structure would have made.
+
+        In an acceleration every impact leaves the half sine of its contact force, as large as its
+        jump of velocity; a filter spreads it over many samples. It is needed to try out
+        :func:`iva.identify`: the acceleration of :meth:`at` has no such pulses.
+
+        Parameters
+        ----------
+        rate_hz : float
+            Sampling rate.
+        quantity : {"acceleration", "velocity", "displacement"}, default "acceleration"
+            What is measured.
+        contact_time : float, default 1e-3
+            Length of a contact in s. It counts in an acceleration only.
+        filter : {"linear phase", "zero phase", "causal", None}, default "linear phase"
+            What the recorder filters with: linear phase with its delay removed, Butterworth filters
+            of order 2 forth and back or of order 4 with its delay, or nothing.
+        cutoff_hz : float, optional
+            Its corner, 0.42 of the sampling rate by default.
+        before : float, default 0.0
+            Seconds of rest before the run that are recorded too.
+        noise : float, default 0.0
+            Standard deviation of white noise, in m/s², m/s or m.
+        seed : int, default 0
+            Of the noise.
+
+        Returns
+        -------
+        iva.Measured
+
+        Raises
+        ------
+        TypeError
+            If an argument is of the wrong type.
+        ValueError
+            If an argument is out of range, lengths are not in metres, or the run has ended early.
+
+        Examples
+        --------
+        >>> siva = iva.Siva(mass_ratio=0.1, gap_mm=9, restitution=0.6)
+        >>> primary = iva.Primary(mass=3, frequency_hz=5, damping_ratio=0.008)
+        >>> run = iva.simulate(siva, primary, start=iva.Start(displacement_mm=8), duration=2)
+        >>> run.recorded(2048, noise=0.03, before=0.25)
+        Measured(4609 samples of acceleration at 2048 Hz from -0.25 to 2 s, 'acceleration')
+        """
+        from iva.measured.recorders import recorded
+
+        return recorded(
+            self, rate_hz, quantity, contact_time, filter, cutoff_hz, before, noise, seed
+        )
 
     def state_at(self, time: float) -> Start:
         """Return the state at an instant, for another run to go on from.

@@ -15,19 +15,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from iva.identification.responses import Values
+from iva.measured.filters import KINDS, delay, force, passed
 
-#: Kinds of filters, by name.
-KINDS = ("none", "linear phase", "zero phase", "causal")
 #: Points a sample of the tables.
 FINE = 32
 #: Half length of a table in samples.
 HALF = 64
 #: Variance of a half sine over the square of its length.
 VARIANCE = 0.25 - 2 / np.pi**2
-#: Order of the Butterworth filters: of zero phase it is that of each of two passes.
-ORDERS = {"zero phase": 2, "causal": 4}
-#: Width of the transition of a filter of linear phase, over its corner.
-TRANSITION = 0.06
 
 
 @dataclass(frozen=True)
@@ -41,9 +36,7 @@ class SensorChain:
     @property
     def delay(self) -> float:
         """What the filter delays the motion by, in samples; 0 where its recorder has none."""
-        if self.kind != "causal":
-            return 0.0
-        return -float(np.sum(1 / poles()).real) / (2 * np.pi * self.cutoff)
+        return delay(self.kind) / (2 * np.pi * self.cutoff)
 
     def words(self, sampling_hz: float) -> str:
         """Return what it is, for a reader."""
@@ -54,39 +47,6 @@ class SensorChain:
         if self.kind == "causal":
             return f"a causal filter, {corner}, delay {1e3 * self.delay / sampling_hz:.2g} ms"
         return f"a filter of {self.kind}, {corner}"
-
-
-def poles() -> np.ndarray:
-    """Return the poles of the causal filter over its corner, shape (order,)."""
-    order = ORDERS["causal"]
-    made: np.ndarray = np.exp(1j * np.pi * (2 * np.arange(order) + order + 1) / (2 * order))
-    return made
-
-
-def passed(kind: str, ratio: Values) -> np.ndarray:
-    """Return the frequency response of a filter, shape (n,), at frequencies over its corner.
-
-    Parameters
-    ----------
-    kind : str
-        One of :data:`KINDS`.
-    ratio : ndarray, shape (n,)
-        Frequency over the corner.
-    """
-    if kind == "none":
-        return np.ones(ratio.size, complex)
-    if kind == "linear phase":
-        return (0.5 - 0.5 * np.tanh((np.abs(ratio) - 1.0) / TRANSITION)).astype(complex)
-    if kind == "zero phase":
-        # Twice through a filter of half the order, forth and back.
-        return (1 / (1 + ratio ** (2 * ORDERS[kind]))).astype(complex)
-    made = np.ones(ratio.size, complex)
-    delay = 0.0
-    for pole in poles():
-        made = made / (1 - 1j * ratio / pole)
-        delay -= (1 / pole).real
-    shifted: np.ndarray = made * np.exp(1j * ratio * delay)
-    return shifted
 
 
 @dataclass(frozen=True)
@@ -123,7 +83,8 @@ def pulse_of(chain: SensorChain) -> Pulse:
         height = CubicSpline(at, half_sine(at, length))
         return Pulse(height, CubicSpline(at, (longer - shorter) / wider), sharp)
     frequency: Values = np.fft.fftfreq(at.size, 1 / FINE).astype(np.float64)
-    filtered = passed(chain.kind, frequency / chain.cutoff)
+    ratio = frequency / chain.cutoff
+    filtered = passed(chain.kind, ratio) * np.exp(1j * ratio * delay(chain.kind))
     spectrum = filtered * force(frequency * chain.contact)
     # Of a contact whose variance is larger by v the spectrum is smaller by v (2πf)²/2.
     wide = -0.5 * (2 * np.pi * frequency) ** 2 * spectrum
@@ -142,12 +103,4 @@ def half_sine(at: Values, length: float) -> Values:
     return made
 
 
-def force(ratio: Values) -> Values:
-    """Return the spectrum of a half sine of area 1 at frequencies times its length, shape (n,)."""
-    near = np.abs(np.abs(ratio) - 0.5) < 1e-6
-    safe = np.where(near, 0.0, ratio)
-    made: Values = np.where(near, np.pi / 4, np.cos(np.pi * safe) / (1 - (2 * safe) ** 2))
-    return made
-
-
-__all__ = ["KINDS", "Pulse", "SensorChain", "passed", "pulse_of"]
+__all__ = ["KINDS", "Pulse", "SensorChain", "pulse_of"]

@@ -19,9 +19,17 @@ BESIDE = 20
 APART = 45
 #: Corners over the sampling rate, and lengths of contacts in samples, that are tried.
 CORNERS = (0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45)
-CONTACTS = (0.3, 1.0, 1.7, 2.4, 3.5, 5.0, 8.0)
+CONTACTS = (0.3, 1.35, 2.4)
+#: Shortest and longest contact, and number of those that are tried, without a filter.
+LENGTHS = (0.5, 12.0, 64)
+#: What leaves less than this many times the least over is as good.
+ALIKE = 2.0
+#: Share of what pulses without a filter leave over that is left with one, where there is one.
+PLAIN = 0.5
 #: Places between two samples at which a pulse is tried.
 PARTS = 10
+#: The same without a filter, where pulses have edges.
+SHARP = 40
 
 
 def chain_of(
@@ -42,23 +50,27 @@ def chain_of(
     windows = cut(above(values), times * sampling_hz, jumps)
     if not len(windows):
         return SensorChain()
-    tried = [SensorChain("none", 0.5, contact) for contact in CONTACTS]
-    tried += [
-        SensorChain(kind, corner, contact)
-        for kind in KINDS[1:]
-        for corner in CORNERS
-        for contact in CONTACTS[:4]
-    ]
-    costs = [left_over(windows, chain) for chain in tried]
-    best: tuple[float, SensorChain] = (np.inf, tried[0])
-    for kind in KINDS:
-        cost, first = min(
-            (cost, number) for number, cost in enumerate(costs) if tried[number].kind == kind
-        )
-        cost, chain = polished(windows, tried[first], cost)
-        if cost < best[0]:
+    best = unfiltered(windows)
+    for kind in KINDS[1:]:
+        tried = [SensorChain(kind, corner, contact) for corner in CORNERS for contact in CONTACTS]
+        costs = [left_over(windows, chain) for chain in tried]
+        first = int(np.argmin(costs))
+        cost, chain = polished(windows, tried[first], costs[first])
+        # A filter above half the sampling rate passes for none where contacts are short.
+        if cost < (best[0] if best[1].kind != "none" else PLAIN * best[0]):
             best = (cost, chain)
     return best[1]
+
+
+def unfiltered(windows: Values) -> tuple[float, SensorChain]:
+    """Return the least that pulses without a filter leave over, and their chain.
+
+    Of contacts shorter than two samples many lengths do as well: then it is the one in their midst.
+    """
+    tried = [SensorChain("none", 0.5, float(contact)) for contact in np.geomspace(*LENGTHS)]
+    costs = np.array([left_over(windows, chain, SHARP) for chain in tried])
+    alike = np.flatnonzero(costs < ALIKE * costs.min())
+    return float(costs.min()), tried[int(alike[alike.size // 2])]
 
 
 def polished(windows: Values, chain: SensorChain, cost: float) -> tuple[float, SensorChain]:
@@ -96,27 +108,27 @@ def cut(high: Values, places: Values, jumps: Values) -> Values:
     return np.array(chosen).reshape(len(chosen), 2 * BESIDE + 1)
 
 
-def left_over(windows: Values, chain: SensorChain) -> float:
+def left_over(windows: Values, chain: SensorChain, parts: int = PARTS) -> float:
     """Return the sum of squares that pulses of a chain leave of all windows.
 
     Each has a place, within three samples, and a size: the best place of a grid, and from there
     linear in the rest.
     """
     shape = Shape(chain)
-    table = high_pulses(shape, None, np.arange(-3 * PARTS, 3 * PARTS + 1) / PARTS)
+    table = high_pulses(shape, None, np.arange(-3 * parts, 3 * parts + 1) / parts)
     middle = table.shape[1] // 2
     table = table[:, middle - BESIDE : middle + BESIDE + 1]
     energy = np.sum(table**2, axis=1)
     energy = np.maximum(energy, 1e-9 * energy.max())
     match = windows @ table.T
     best = np.argmax(match**2 / energy, axis=1)
-    slopes = np.gradient(table, 1 / PARTS, axis=0)[best]
+    slopes = np.gradient(table, 1 / parts, axis=0)[best]
     table = table[best]
     # Between two places of the grid, to first order, and no further.
     across = np.sum(table * slopes, axis=1)
     steep = np.maximum(np.sum(slopes**2, axis=1) - across**2 / energy[best], 1e-300)
     size = match[np.arange(best.size), best] / energy[best]
     step = (np.sum(windows * slopes, axis=1) - size * across) / steep
-    table = table + np.clip(step / size, -0.5 / PARTS, 0.5 / PARTS)[:, None] * slopes
+    table = table + np.clip(step / size, -0.5 / parts, 0.5 / parts)[:, None] * slopes
     size = np.sum(windows * table, axis=1) / np.sum(table**2, axis=1)
     return float(np.sum((windows - size[:, None] * table) ** 2))

@@ -11,6 +11,17 @@ from iva.identification.beginnings import onset, rough_frequency, scanned
 from iva.identification.choosing import chain_of
 from iva.identification.detection import pulses_in
 from iva.identification.kinks import SIDE, kinks_in
+from iva.identification.masking import (
+    DEAD,
+    NEAR,
+    SMEAR,
+    closed_by,
+    masked,
+    smeared,
+    spread,
+    weighted,
+)
+from iva.identification.pruning import WIDTHS, pruned, spread_of_widths, with_contact
 from iva.identification.pulses import REACH, Shape
 from iva.identification.records import (
     CORNER,
@@ -28,21 +39,12 @@ from iva.identification.verdicts import NO_IMPACT, few_enough
 
 #: Width in rad/s of what is expected of the corner of a high pass: half a hertz.
 CORNERS = np.pi
-#: Standard deviation of the variances of contacts about their mean, in samples², at first and at
-#: least.
-WIDTHS, LEAST_WIDTHS = 0.02, 1e-4
-#: Samples beside the release that do not count, and the part of a period after it in which no
-#: impact of an acceleration is looked for.
-NEAR, DEAD = 8, 0.12
+#: Standard deviation of the variances of contacts at first, in samples², where no filter shows them.
+UNKNOWN = 0.08
 #: How far pulses may be from one shape, relative, after impacts were taken out.
 LOOSE = 0.05
 #: Samples that the instant at which motion is seen to set in may be off.
 ONSET = 10.0
-#: Deviations of a jump that is one.
-SURE = 5.0
-#: Part of a period that is masked beside an impact of a velocity at first, and the deviations of
-#: the noise above which samples are masked later.
-SMEAR, SMEARED = 0.03, 6.0
 #: Power of a line of the answer to impacts, over the median, that makes it a further mode.
 LINE = 60.0
 #: Least length of a record after the release, in periods.
@@ -148,7 +150,7 @@ def explained(
     hum = np.zeros(2 * len(recording.hum_hz))
     inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse, widths)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
-    width = WIDTHS
+    width = UNKNOWN if shape is not None and shape.chain.kind == "none" else WIDTHS
     smear = min(REACH, max(int(SMEAR * rate / hertz), 2))
     searches_left = SEARCHES
     for attempt in range(ROUNDS):
@@ -157,6 +159,7 @@ def explained(
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
         inputs = refined.inputs
+        recording, inputs = with_contact(recording, inputs)
         width = spread_of_widths(refined)
         rest = recording.values - recording.model(inputs)
         before = (noise, roughness)
@@ -216,33 +219,6 @@ def with_chain(recording: Recording, release: float | None) -> Recording:
     return replace(recording, shape=Shape(chain))
 
 
-def pruned(recording: Recording, refined: Refined) -> Inputs:
-    """Return the numbers without impacts that are none.
-
-    These have left the record, or have a jump that is not clear of zero; two at one place are one.
-    """
-    inputs = refined.inputs
-    own = np.sqrt(np.diag(refined.covariance)[inputs.impacts][inputs.times.size :])
-    times, jumps = inputs.times.copy(), inputs.jumps.copy()
-    keep = (times > inputs.head[RELEASE]) & (times < recording.time[-1])
-    clear = np.abs(jumps) > SURE * own
-    for hit in np.argsort(np.abs(jumps)):
-        near = np.abs(times - times[hit]) < 2.0 / recording.sampling_hz
-        near &= keep & (np.abs(jumps) >= np.abs(jumps[hit]))
-        near[hit] = False
-        if keep[hit] and near.any():
-            # Neither is clear of zero while they stand for each other.
-            other = int(np.argmax(near))
-            both = jumps[hit] + jumps[other]
-            times[other] += (times[hit] - times[other]) * jumps[hit] / both
-            jumps[other], keep[hit], clear[other] = both, False, True
-    keep &= clear
-    if np.all(keep) or not np.any(keep):
-        return inputs
-    widths = inputs.widths[keep] if inputs.widths.size else inputs.widths
-    return replace(inputs, times=times[keep], jumps=jumps[keep], widths=widths)
-
-
 def powers_of(periods: float) -> int:
     """Return how many powers of time a trend may have that cannot be taken for the motion."""
     return 1 + int(np.searchsorted([3.0, 6.0, 10.0], periods))
@@ -286,54 +262,6 @@ def found_in(
     return times, jumps
 
 
-def masked(
-    recording: Recording, inputs: Inputs, begins_in_motion: bool, smear: int
-) -> NDArray[np.bool_]:
-    """Return which samples count: not those that the filter of the recorder has smeared."""
-    rate, release = recording.sampling_hz, inputs.head[RELEASE]
-    edge = (2, 2, NEAR)[recording.order]
-    mask: NDArray[np.bool_] = np.abs(recording.time - release) > edge / rate
-    if begins_in_motion:
-        mask &= recording.time > release
-    if recording.order < 2:
-        # So near the end no impact is seen, and what it does would be taken for something else.
-        mask &= recording.time < recording.time[-1] - 2 * np.pi / inputs.head[OMEGA] * SIDE
-        smeared = 2 if recording.order == 0 else smear
-        for time in inputs.times:
-            mask &= np.abs(recording.time - time) > smeared / rate
-    return mask
-
-
-def smeared(recording: Recording, inputs: Inputs, rest: Values, noise: float) -> int:
-    """Return how many samples beside an impact of a velocity the recorder has smeared.
-
-    What is left at a distance from all impacts, each over its jump, is averaged with jump² as
-    weight: where it stands out of the noise, samples do not show the motion.
-    """
-    places = np.rint(inputs.times * recording.sampling_hz).astype(int)
-    away = np.arange(-REACH, REACH + 1)
-    samples = places[:, None] + away
-    inside = (samples >= 0) & (samples < rest.size)
-    # A neighbour's own smear is no sign of this one's.
-    apart = np.abs(samples[:, :, None] - places[None, None, :]).min(axis=2) == np.abs(away)
-    use = (inside & apart) * inputs.jumps[:, None] ** 2
-    energy = np.maximum(use.sum(axis=0), 1e-300)
-    left = np.where(inside, rest[np.clip(samples, 0, rest.size - 1)], 0.0)
-    mean = np.sum(use * left / inputs.jumps[:, None], axis=0) / energy
-    stands = np.abs(mean) * np.sqrt(energy) > SMEARED * noise
-    return int(np.max(np.abs(away)[stands], initial=0)) + 2
-
-
-def closed_by(recording: Recording, inputs: Inputs, dead: float) -> list[tuple[int, int]]:
-    """Return the samples around impacts and release at which no further impact is looked for."""
-    rate = recording.sampling_hz
-    places = np.rint(inputs.times * rate).astype(int)
-    beside = 3 if recording.order == 2 else int(dead * rate)
-    near = [(int(place) - beside, int(place) + beside) for place in places]
-    release, edge = int(inputs.head[RELEASE] * rate), int(dead * rate)
-    return [*near, (release - edge, release + edge)]
-
-
 def known_of(
     recording: Recording,
     inputs: Inputs,
@@ -357,41 +285,6 @@ def known_of(
         deviation[last:] = width
         mean[last - inputs.pulse.size :] = 0.0
     return Known(mean, deviation)
-
-
-def spread_of_widths(refined: Refined) -> float:
-    """Return the standard deviation of the variances of contacts, the most likely one."""
-    widths = refined.inputs.widths
-    if not widths.size:
-        return WIDTHS
-    own = np.diag(refined.covariance)[-widths.size :]
-    return max(float(np.sqrt(np.mean(widths**2 + own))), LEAST_WIDTHS)
-
-
-def weighted(
-    recording: Recording, inputs: Inputs, mask: NDArray[np.bool_], noise: float, roughness: float
-) -> Values:
-    """Return 1/σ of each sample, 0 where it is masked."""
-    sigma = np.sqrt(noise**2 + (roughness * recording.reach(inputs)) ** 2)
-    made: Values = np.where(mask, 1 / sigma, 0.0)
-    return made
-
-
-def spread(
-    recording: Recording, inputs: Inputs, rest: Values, mask: NDArray[np.bool_], floor: float
-) -> tuple[float, float]:
-    """Return the standard deviation of the noise, and how far pulses are from one shape."""
-    reach = recording.reach(inputs)
-    scale = float(np.std(rest[mask]))
-    far = mask & (reach < 0.1 * scale)
-    noise = max(float(np.sqrt(np.mean(rest[far] ** 2))) if far.sum() > 20 else scale, floor)
-    near = mask & (reach > 3 * noise)
-    if near.sum() < 10:
-        return noise, 0.02
-    # The largest pulses say most: elsewhere the noise hides what is left over.
-    more = np.sum(reach[near] ** 2 * (rest[near] ** 2 - noise**2))
-    over = float(more / np.sum(reach[near] ** 4))
-    return noise, float(np.sqrt(max(over, 1e-6)))
 
 
 def further_mode(

@@ -32,10 +32,13 @@ FADING = 15.0
 
 @dataclass(frozen=True)
 class Shape:
-    """What pulses of a chain are made of."""
+    """What pulses of a chain are made of.
+
+    ``half`` is how far the splines reach in samples, by default somewhat beyond the contact.
+    """
 
     chain: SensorChain
-    fading: float = FADING
+    half: float | None = None
 
     @cached_property
     def sincs(self) -> Values:
@@ -50,7 +53,7 @@ class Shape:
         """Places of the splines in samples from the impact."""
         if self.chain.kind == "linear phase":
             return np.zeros(0)
-        half = self.chain.contact / 2 + BESIDE
+        half = self.chain.contact / 2 + BESIDE if self.half is None else self.half
         most = int(np.ceil(half * DENSE))
         return np.arange(-most, most + 1) / DENSE
 
@@ -62,7 +65,7 @@ class Shape:
 
     def deviations(self) -> Values:
         """Return how large each share may be, shape (size,)."""
-        made = SHAPES * np.exp(-np.abs(self.sincs) / self.fading)
+        made = SHAPES * np.exp(-np.abs(self.sincs) / FADING)
         if self.sincs.size:
             return np.concatenate([made, np.full(1 + self.splines.size, SHAPES)])
         return np.full(self.size, SHAPES)
