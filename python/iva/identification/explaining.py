@@ -12,10 +12,9 @@ from iva.identification.choosing import chain_of
 from iva.identification.detection import pulses_in
 from iva.identification.kinks import SIDE, kinks_in
 from iva.identification.masking import (
-    DEAD,
-    NEAR,
     SMEAR,
     closed_by,
+    dead_time,
     masked,
     smeared,
     spread,
@@ -39,7 +38,7 @@ from iva.identification.verdicts import NO_IMPACT, few_enough
 
 #: Width in rad/s of what is expected of the corner of a high pass: half a hertz.
 CORNERS = np.pi
-#: Standard deviation of the variances of contacts at first, in samples², where no filter shows them.
+#: Standard deviation of the variances of contacts at first, in samples², without a filter.
 UNKNOWN = 0.08
 #: How far pulses may be from one shape, relative, after impacts were taken out.
 LOOSE = 0.05
@@ -120,7 +119,7 @@ def explained(
             "nothing in it oscillates; give a longer one"
         )
     recording = replace(recording, powers=powers_of(span * hertz))
-    dead = min(REACH, max(NEAR, int(DEAD * rate / hertz))) / rate if order == 2 else SIDE / hertz
+    dead = dead_time(rate, hertz) / rate if order == 2 else SIDE / hertz
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
     times, jumps = found_in(recording, recording.values, hertz, (edge,))

@@ -129,11 +129,18 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     keep = believed(draws, known, seed)
     draws = {name: values[keep] for name, values in draws.items()}
     each = each[keep]
-    words = combinations_of(used, middle, pull, beliefs)
+    words: tuple[str, ...] = ()
+    if drawn.possible:
+        words = combinations_of(used, middle, pull, beliefs)
+    else:
+        reasons.append(
+            "the first impacts are those of no free mass, so that nothing is known of the absorber"
+        )
     rest = shown.recording.values - shown.recording.model(inputs)
     reasons += unexplained(shown.recording.values, rest, shown.mask & quiet(shown), floor)
     reasons += cut_off(recording.values)
-    reasons += judged(shown, used, middle, pull, drawn)
+    if drawn.possible:
+        reasons += judged(shown, used, middle, pull, drawn)
     if shown.modes_hz:
         listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
         notes.append(f"ringing at {listed} after each impact was fitted along")
@@ -284,13 +291,16 @@ def together(
         own = np.maximum(np.diag(spread) - by_record, 0.0)
         step = root @ random.standard_normal(numbers.size)
         rest = rest + mixture @ step + np.sqrt(own) * random.standard_normal(2 * hits)
-        made = numbers + step - covariance @ mixture.T @ np.linalg.solve(spread, rest)
+        made = numbers + step
+        if drawn.possible:
+            made -= covariance @ mixture.T @ np.linalg.solve(spread, rest)
         head[row] = made[:HEAD]
         times, jumps = made[HEAD : HEAD + hits], made[HEAD + hits :]
         change = np.tensordot(found.slopes, made - numbers, axes=(2, 0))
         _, _, lost, speed, _ = found.values + change
         approach = speed - absorber.heaviness * lost
         e = jumps * (1 + absorber.heaviness) / approach - 1
+        e = e if drawn.possible else np.full(hits, absorber.restitution)
         each[row] = times, jumps, np.abs(approach), e
     return head, each
 

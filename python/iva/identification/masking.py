@@ -10,8 +10,8 @@ from iva.identification.pulses import REACH
 from iva.identification.records import OMEGA, RELEASE, Inputs, Recording
 from iva.identification.responses import Values
 
-#: Samples beside the release that do not count, and the part of a period after it in which no
-#: impact of an acceleration is looked for.
+#: Samples beside the release, at least, and part of a period, in which an acceleration does not
+#: count and no impact is looked for: a filter smears the step.
 NEAR, DEAD = 8, 0.12
 #: Part of a period that is masked beside an impact of a velocity at first, and the deviations of
 #: the noise above which samples are masked later.
@@ -21,12 +21,17 @@ SMEAR, SMEARED = 0.03, 6.0
 ROUGH, UNFILTERED = 1e-3, 0.03
 
 
+def dead_time(sampling_hz: float, hertz: float) -> int:
+    """Return for how many samples the release is not told apart from an impact of its own."""
+    return min(REACH, max(NEAR, int(DEAD * sampling_hz / hertz)))
+
+
 def masked(
     recording: Recording, inputs: Inputs, begins_in_motion: bool, smear: int
 ) -> NDArray[np.bool_]:
     """Return which samples count: not those that the filter of the recorder has smeared."""
     rate, release = recording.sampling_hz, inputs.head[RELEASE]
-    edge = (2, 2, NEAR)[recording.order]
+    edge = 2 if recording.order < 2 else dead_time(rate, inputs.head[OMEGA] / 2 / np.pi)
     mask: NDArray[np.bool_] = np.abs(recording.time - release) > edge / rate
     if begins_in_motion:
         mask &= recording.time > release
@@ -97,4 +102,4 @@ def spread(
     return noise, max(float(np.sqrt(max(over, 0.0))), least)
 
 
-__all__ = ["DEAD", "NEAR", "SMEAR", "closed_by", "masked", "smeared", "spread", "weighted"]
+__all__ = ["SMEAR", "closed_by", "dead_time", "masked", "smeared", "spread", "weighted"]

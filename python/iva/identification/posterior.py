@@ -35,11 +35,6 @@ WIDTH = 7.0
 NARROW = 0.06
 #: Points of which one must be possible.
 TRIED = 400
-IMPOSSIBLE = (
-    "record: its first impacts are those of no free mass: the structure is pushed the way that a "
-    "mass let go with it could not push; give the instant of the release, another absorber, or a "
-    "record without a second mode"
-)
 #: Logarithm of a density that stands for impossible.
 NEVER = -1e100
 
@@ -73,10 +68,14 @@ class Beliefs:
 
 @dataclass(frozen=True)
 class Draws:
-    """Equally likely absorbers: columns 1/μ, d, y₀, e, scatter, play, shape (n, 6)."""
+    """Equally likely absorbers: columns 1/μ, d, y₀, e, scatter, play, shape (n, 6).
+
+    ``possible`` is False where no absorber makes the impacts: then they are those of the priors.
+    """
 
     numbers: Values
     calls: int
+    possible: bool = True
 
     def absorber(self, row: int) -> Absorber:
         """Return one of them."""
@@ -177,10 +176,8 @@ def sampled(
         return max(made, NEVER) if np.isfinite(made) else NEVER
 
     random = np.random.default_rng(seed)
-    with np.errstate(all="ignore"):
-        tried = [density(cube) for cube in random.random((TRIED, size))]
-    if not max(tried) > NEVER / 2:
-        raise ValueError(IMPOSSIBLE)
+    if not max(density(cube) for cube in random.random((TRIED, size))) > NEVER / 2:
+        return from_priors(beliefs, seed)
     run = dynesty.NestedSampler(
         density, lambda cube: cube, size, nlive=LIVE, bootstrap=0, rstate=random, **how
     )
@@ -190,9 +187,22 @@ def sampled(
         run.run_nested(dlogz=0.1, print_progress=False)
     results = run.results
     if not np.max(results.logl) > NEVER / 2:
-        raise ValueError(IMPOSSIBLE)
+        return from_priors(beliefs, seed)
     cubes = results.samples_equal(rstate=random)
     return Draws(np.array([draw(cube)[0] for cube in cubes]), int(np.sum(results.ncall)))
+
+
+def from_priors(beliefs: Beliefs, seed: int) -> Draws:
+    """Return draws of what was known before, for impacts that no absorber makes."""
+    shares = np.random.default_rng(seed).random((TRIED, 6))
+    made = np.empty((TRIED, 6))
+    for row, cube in zip(made, shares, strict=True):
+        clearance = beliefs.clearance.at(cube[1])
+        middle = clearance * (2 * cube[2] - 1)
+        place = middle if beliefs.place is None else beliefs.place.at(cube[2])
+        mass_ratio, e = beliefs.mass_ratio.at(cube[0]), beliefs.restitution.at(cube[3])
+        row[:] = 1 / mass_ratio, clearance, place, e, SCATTER.at(cube[4]), PLAY.at(cube[5])
+    return Draws(made, 0, possible=False)
 
 
 def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_]) -> Any:
