@@ -109,7 +109,7 @@ fn many(criterion: &mut Criterion) {
     let window = Window { discard: 100, keep: 1000 };
     group.throughput(Throughput::Elements(1100 * seeds.len() as u64));
     group.bench_function("of exponents", |bencher| {
-        bencher.iter(|| black_box(lyapunov(&seeds, window, None, None).is_ok()));
+        bencher.iter(|| black_box(lyapunov(&seeds, window, None).is_ok()));
     });
     let Ok(cells) = starts(1024, 4.5) else { return };
     let search = Search { most_periods: 4, most_cycles: 500, join_mirrored: false };
