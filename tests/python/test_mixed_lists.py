@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import polars as pl
 import pytest
+from numpy.typing import NDArray
 
 import iva
 from planted_swings import Hit, Motion, Ride, Rider, Scene, alike
@@ -319,3 +320,29 @@ def test_standard_gravity_is_that_of_each_pendulum() -> None:
     run = iva.simulate([mass, pendulum], primary, start=iva.Start(displacement=0.02), periods=5)
     assert run.summary["gravity"].item() == pytest.approx(9.80665, rel=1e-15)
     assert run.summary["impacts"].item() > 5
+
+
+def test_two_masses_on_one_wall_go_on_beside_a_pendulum() -> None:
+    # A pendulum of the mass ratio μ moves the structure by some 6 μ: without it the list is one of
+    # free masses, computed in another way. Both masses stick to one wall, and leave it together.
+    primary, start = iva.Primary(damping_ratio=0.01), iva.Start(displacement=1.0)
+    masses = [
+        iva.Siva(mass_ratio=0.05, restitution=0.0, clearance=0.3),
+        iva.Siva(mass_ratio=0.07, restitution=0.0, clearance=0.5),
+    ]
+
+    def moved(*more: iva.Piva) -> NDArray[np.float64]:
+        absorbers: list[iva.Siva | iva.Piva] = [*masses, *more]
+        run = iva.simulate(absorbers, primary, start=start, duration=25.0)
+        assert run.summary["outcome"].item() == "finished"
+        assert abs(run.summary["energy_residual"].item()) < 1e-14
+        seen = run.at(np.linspace(0.0, 25.0, 60))["displacement"].to_numpy()
+        return seen[:: len(absorbers)]
+
+    alone = moved()
+    for ratio in (1e-6, 1e-9):
+        pendulum = iva.Piva(
+            mass_ratio=ratio, restitution=0.8, clearance=0.9, length=4.0, gravity=1.0
+        )
+        assert np.abs(moved(pendulum) - alone).max() < 10 * ratio
+    moved(iva.Piva(mass_ratio=0.3, restitution=0.8, clearance=0.9, length=4.0, gravity=1.0))
