@@ -4,7 +4,7 @@ The structure between impacts is x = Re of one complex exponential, the free mas
 the next impact is the first root of |y| = d, bracketed on a fine grid and refined by bisection. The
 law of restitution is any function of the approach speed, so that it may scatter or fall. The chain:
 half sine pulses of a finite contact, a linear-phase anti-alias filter without delay, high pass,
-ringing, hum, drift, offset, noise, rounding to the bit of the recorder.
+ringing, hum, drift, offset, noise, rounding to the bit of the recorder. The filter may be another.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ class Chain:
     high_pass_hz: float = 0.0
     ringing: tuple[float, float, float] | None = None  # Hz, damping ratio, share of the jump
     cutoff: float = 0.42  # of the sampling rate
+    filter: str = "linear phase"  # or "zero phase", "causal", "none"
     seed: int = 0
 
 
@@ -184,19 +185,35 @@ def record(truth: Truth, chain: Chain) -> Planted:
                 total = total + np.where(since > 0, part * impact["jump"] * own * wave, 0.0)
     if chain.high_pass_hz > 0:
         total = high_passed(total, chain.high_pass_hz, step)
-    taps = np.arange(-25 * FINE, 25 * FINE + 1) / FINE
-    kernel = np.sinc(2 * chain.cutoff * taps) * np.blackman(taps.size)
-    kernel /= kernel.sum()
-    size = 1 << int(np.ceil(np.log2(total.size + kernel.size)))
-    filtered = np.fft.irfft(np.fft.rfft(total, size) * np.fft.rfft(kernel, size), size)
-    middle = 25 * FINE + pad * FINE
-    values = filtered[middle : middle + count * FINE : FINE]
+    middle = pad * FINE
+    values = filtered(total, chain)[middle : middle + count * FINE : FINE]
     time = np.arange(count) / chain.sampling_hz
     values = values + chain.offset + chain.drift * time
     values = values + chain.hum * np.sin(2 * np.pi * chain.hum_hz * time + 0.3)
     values = values + chain.noise * random.standard_normal(count)
     values = np.round(values / chain.bit) * chain.bit if chain.bit > 0 else values
     return Planted(time, values, chain.quantity, chain.sampling_hz, truth, impacts)
+
+
+def filtered(values: Values, chain: Chain) -> Values:
+    """Return what the filter of the recorder makes of values on the fine steps."""
+    from scipy.signal import butter, filtfilt, lfilter
+
+    if chain.filter == "none":
+        return values
+    if chain.filter == "causal":
+        causal: Values = lfilter(*butter(4, 2 * chain.cutoff / FINE), values)
+        return causal
+    if chain.filter == "zero phase":
+        twice: Values = filtfilt(*butter(2, 2 * chain.cutoff / FINE), values)
+        return twice
+    taps = np.arange(-25 * FINE, 25 * FINE + 1) / FINE
+    kernel = np.sinc(2 * chain.cutoff * taps) * np.blackman(taps.size)
+    kernel /= kernel.sum()
+    size = 1 << int(np.ceil(np.log2(values.size + kernel.size)))
+    spectrum = np.fft.rfft(values, size) * np.fft.rfft(kernel, size)
+    made: Values = np.fft.irfft(spectrum, size)[25 * FINE : 25 * FINE + values.size]
+    return made
 
 
 def high_passed(values: Values, corner_hz: float, step: float) -> Values:
@@ -208,7 +225,7 @@ def high_passed(values: Values, corner_hz: float, step: float) -> Values:
     return made
 
 
-def drawn(seed: int, scatter: float = 0.05, **chain: float) -> tuple[Truth, Chain]:
+def drawn(seed: int, scatter: float = 0.05, **chain: object) -> tuple[Truth, Chain]:
     """Return a random rig of the kind of the public records."""
     random = np.random.default_rng(seed + 10_000)
     hertz = random.uniform(4, 9)

@@ -272,6 +272,8 @@ def test_what_is_not_fitted_is_refused() -> None:
     made = record(RIG, Chain(seconds=0.6))
     with pytest.raises(ValueError, match=r"^absorber.restitution_minus = 0.5: leave it out"):
         identify(made, iva.Siva(restitution=0.6, restitution_minus=0.5), iva.Primary())
+    with pytest.raises(ValueError, match=r"^start.impulse = 1.0: a start by a blow is not identif"):
+        identify(made, iva.Siva(), iva.Primary(), start=iva.Start(impulse=1.0))
     with pytest.raises(ValueError, match=r"^start.velocity = 0.1: it must be 0"):
         identify(made, iva.Siva(), iva.Primary(), start=iva.Start(velocity=0.1))
     with pytest.raises(TypeError, match=r"^absorber = 3: give an iva.Siva, an iva.Piva, or None"):

@@ -137,12 +137,20 @@ def test_a_causal_pulse_is_that_of_its_transfer_function() -> None:
     assert np.max(np.abs(height(np.arange(-3.0, -0.5, 1 / 16) - chain.delay))) < 1e-3
 
 
-def test_the_chain_is_that_of_the_pulses() -> None:
-    made = record(RIG, Chain(seed=5, seconds=2.0, contact=1e-3))
+@pytest.mark.parametrize(
+    ("kind", "cutoff"),
+    [("linear phase", 0.42), ("zero phase", 0.35), ("causal", 0.35), ("none", 0.5)],
+)
+def test_the_chain_is_that_of_the_pulses(kind: str, cutoff: float) -> None:
+    # Filters of SciPy and of the planted records; the contact is 2 samples long.
+    made = record(RIG, Chain(seed=5, seconds=2.0, contact=1e-3, filter=kind, cutoff=cutoff))
     release = int(RIG.release * 2048)
     chain = chain_of(made.values, 2048.0, ((release - 40, release + 40),))
-    assert chain.kind == "linear phase"
-    assert chain.cutoff == pytest.approx(0.42, abs=0.04)
+    assert chain.kind == kind
+    if kind != "none":
+        assert chain.cutoff == pytest.approx(cutoff, abs=0.04)
+    if kind in ("causal", "zero phase"):
+        assert chain.contact == pytest.approx(2.05, rel=0.35)
 
 
 def test_the_wall_conditions_hold_for_planted_flights() -> None:

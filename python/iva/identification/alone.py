@@ -126,7 +126,7 @@ def linearised(
     The first four are ω, ζ, and the cosine and sine share of the structure.
     """
     time = recording.time[made.first :] - recording.time[made.first]
-    trends = np.delete(recording.trends()[made.first :], np.arange(recording.powers, TREND), axis=1)
+    trends = np.delete(recording.trends[made.first :], np.arange(recording.powers, TREND), axis=1)
     waves = columns(time, made.omegas, made.dampings)
     many = made.omegas.size
     parts = []

@@ -132,7 +132,7 @@ def scanned(
         use &= np.abs(recording.time - time) > REACH / recording.sampling_hz
     picked = np.flatnonzero(use)[::step]
     time, values = recording.time[picked], recording.values[picked]
-    trends = recording.trends()[picked]
+    trends = recording.trends[picked]
     trends = np.delete(trends, np.arange(recording.powers, TREND), axis=1)
     span = float(recording.time[-1] - release)
     fine = max(0.25 / span / hertz / 1.2, 0.001)

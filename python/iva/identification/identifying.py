@@ -86,8 +86,8 @@ def identify(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If the record is too short, shows no impact, begins in motion without a known release, or is
-        of a quantity that does not tell.
+        If the record is too short, is no decay or more than one, shows no impact though there is an
+        absorber, begins in motion without a known release, or is of a quantity that does not tell.
     ImportError
         If dynesty is not installed.
 
@@ -95,6 +95,10 @@ def identify(
     --------
     >>> fit = iva.identify(record, iva.Siva(), iva.Primary())  # doctest: +SKIP
     >>> fit.parameters  # doctest: +SKIP
+
+    The structure alone:
+
+    >>> bare = iva.identify(record, None, iva.Primary())  # doctest: +SKIP
     """
     if not isinstance(absorber, Siva | Piva | None):
         raise TypeError(

@@ -85,7 +85,7 @@ def decay_of(
         Frequency in rad/s and damping ratio of the structure, where they are known exactly.
     """
     time, values = recording.time[first:] - recording.time[first], recording.values[first:]
-    trends = np.delete(recording.trends()[first:], np.arange(recording.powers, TREND), axis=1)
+    trends = np.delete(recording.trends[first:], np.arange(recording.powers, TREND), axis=1)
     found = np.zeros((0, 2))
     rest = values - trends @ np.linalg.lstsq(trends, values, rcond=None)[0]
     while len(found) < MOST:

@@ -8,6 +8,7 @@ spoil it. What follows is one set of numbers with its Gaussian uncertainty, all 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -119,8 +120,9 @@ class Recording:
     powers: int = TREND
     shape: Shape | None = None
 
+    @cached_property
     def trends(self) -> Values:
-        """Return the columns of trend and hum, shape (n, 4 + 2h)."""
+        """The columns of trend and hum, shape (n, 4 + 2h)."""
         half = self.time[-1] / 2
         powers = (self.time / half - 1.0)[:, None] ** np.arange(TREND)
         phase = 2 * np.pi * self.time[:, None] * np.array(self.hum_hz)[None, :]
@@ -161,7 +163,7 @@ class Recording:
 
     def nuisance(self, inputs: Inputs) -> Values:
         """Return offset, drift and hum, shape (n,)."""
-        made: Values = self.trends() @ np.concatenate([inputs.trend, inputs.hum])
+        made: Values = self.trends @ np.concatenate([inputs.trend, inputs.hum])
         return made
 
     def model(self, inputs: Inputs) -> Values:
@@ -210,7 +212,7 @@ class Recording:
             made[:, by_jump] += answer.columns(self.time, inputs.times)
             made[:, by_time] -= answer.slope().columns(self.time, inputs.times) * inputs.jumps
         place = HEAD + 2 * hits
-        columns = self.trends()
+        columns = self.trends
         made[:, place : place + columns.shape[1]] = columns
         place += columns.shape[1]
         for number, mode in enumerate(inputs.modes):

@@ -9,6 +9,9 @@ import numpy as np
 from iva.identification.records import CORNER, HEAD, OMEGA, RELEASE, SIZE, ZETA, Inputs, Recording
 from iva.identification.responses import Values
 
+#: Fall of χ² by a step after which no further one is taken.
+SETTLED = 0.01
+
 
 @dataclass(frozen=True)
 class Known:
@@ -79,7 +82,7 @@ def refine(recording: Recording, inputs: Inputs, known: Known, steps: int = 30) 
         gain = cost - new_cost
         numbers, cost, rest = trial, new_cost, new_rest
         damping = max(damping / 10, 1e-12)
-        if gain < 1e-3:
+        if gain < SETTLED:
             break
     inverse = np.linalg.pinv(curvature / np.outer(scale, scale), hermitian=True, rcond=1e-14)
     covariance = np.zeros((numbers.size, numbers.size))

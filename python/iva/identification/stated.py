@@ -46,6 +46,8 @@ BOUNDS = {
 IDLE = {"contact_time", "contact_stiffness", "reference"}
 #: Fields that may be set because the fit takes them as they are.
 TAKEN = {"length", "gravity", "gap_velocity", "inertia_ratio", "contact_distance"}
+#: Fields of a start that is no release.
+BLOWS = {"impulse", "impulse_velocity"}
 #: Fields that must be zero where they are set.
 ZERO = {"velocity", "inclination", "inclination_deg", "gap_offset", "gap_offset_mm"}
 
@@ -92,6 +94,12 @@ def stated(
                 taken[name] = value
             elif name in ZERO and value != 0:
                 raise ValueError(f"{path} = {value!r}: it must be 0 in a decay that is identified")
+            elif name in BLOWS:
+                raise ValueError(
+                    f"{path} = {value!r}: a start by a blow is not identified, its pulse hides the "
+                    "first impacts; let the structure go, or give the record after the blow and "
+                    "absorber = None"
+                )
             elif name not in IDLE and name not in ZERO:
                 raise ValueError(f"{path} = {value!r}: leave it out, it is not identified with it")
     weighed(masses, priors)
