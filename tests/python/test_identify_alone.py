@@ -126,6 +126,26 @@ def test_what_is_known_counts() -> None:
         identify(made, None, iva.Primary(), known={"gap_mm": iva.sampling.Uniform(1, 2)})
 
 
+@pytest.mark.parametrize(("absorber", "wanted"), [(None, [2, 4]), (iva.Siva(), [1, 2, 3, 4])])
+def test_it_is_told_how_far_it_is(absorber: iva.Siva | None, wanted: list[int]) -> None:
+    made = record(Truth(release=0.25), Chain(seed=3, seconds=1.5))
+    told: list[tuple[int, int]] = []
+    identify(made, absorber, iva.Primary(), progress=lambda *pair: told.append(pair))
+    assert told == [(done, 4) for done in wanted]
+
+
+def test_a_user_may_end_it() -> None:
+    made = record(Truth(release=0.25), Chain(seed=3, seconds=1.5))
+
+    def ended(*_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        identify(made, iva.Siva(), iva.Primary(), progress=ended)
+    with pytest.raises(TypeError, match=r"^progress = 3: give True, False or a callable"):
+        identify(made, None, iva.Primary(), progress=3)  # type: ignore[arg-type]
+
+
 def test_what_does_not_oscillate_is_said() -> None:
     time = np.arange(1000) / 100
     noise = np.random.default_rng(5).standard_normal(time.size)

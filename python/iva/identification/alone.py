@@ -11,6 +11,7 @@ from iva.identification.modes import Decay, columns, decay_of, rates
 from iva.identification.priors import Exactly
 from iva.identification.records import TREND, Recording
 from iva.identification.responses import Values
+from iva.identification.stages import FOUND, Tell
 from iva.identification.stated import Stated
 
 #: Draws.
@@ -33,7 +34,14 @@ FAR = 18.0
 KNOWN = {"frequency_hz", "damping_ratio", "displacement", "release"}
 
 
-def identified(recording: Recording, clock: float, floor: float, known: Stated, seed: int) -> Found:
+def identified(
+    recording: Recording,
+    clock: float,
+    floor: float,
+    known: Stated,
+    seed: int,
+    tell: Tell,
+) -> Found:
     """Return what a record says of a structure without an absorber.
 
     Parameters
@@ -48,6 +56,8 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         What is known beforehand.
     seed : int
         Of the draws.
+    tell : callable
+        Told how many stages have ended.
 
     Raises
     ------
@@ -72,6 +82,7 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         raise ValueError(
             f"record: it has {periods:.2g} periods of the structure; give at least {PERIODS:g}"
         )
+    tell(FOUND)
     noise = max(made.noise, floor)
     slopes, covariance = linearised(recording, made, noise, fixed_of(known))
     random = np.random.default_rng(seed)

@@ -23,6 +23,7 @@ from iva.identification.priors import Bell, Between, Exactly, Prior
 from iva.identification.pulses import WIDE
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
+from iva.identification.stages import FOUND, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
 from iva.identification.verdicts import check
 from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
@@ -43,7 +44,14 @@ DRAWS = 500
 UNTIED = {"scatter": 0.3, "play": 2e-3}
 
 
-def identified(recording: Recording, clock: float, floor: float, known: Stated, seed: int) -> Found:
+def identified(
+    recording: Recording,
+    clock: float,
+    floor: float,
+    known: Stated,
+    seed: int,
+    tell: Tell,
+) -> Found:
     """Return what a record says of a free mass.
 
     Parameters
@@ -58,6 +66,8 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         What is known beforehand.
     seed : int
         Of the sampler.
+    tell : callable
+        Told how many stages have ended.
 
     Raises
     ------
@@ -78,6 +88,7 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         clock -= recording.shape.chain.delay / recording.sampling_hz
         chain = recording.shape.chain.words(recording.sampling_hz)
     check(recording, None if given is None else given - clock, clock, floor)
+    tell(LOOKED)
     shown, best, beliefs = followed(recording, clock, floor, known)
     notes, reasons = [], []
     every = shown.refined.inputs.times
@@ -109,7 +120,9 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     places = kept(inputs.times.size, best.hits)
     moved[places] += shift(used, middle, covariance[np.ix_(places, places)])
     used = contacts(inputs, covariance, best.hits, gap_velocity, moved)
+    tell(FOUND)
     drawn = sampled(used, beliefs, middle, pull, seed)
+    tell(SAMPLED)
     head, each = together(
         used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed
     )

@@ -11,7 +11,9 @@ from iva.identification.fits import Fit
 from iva.identification.needs import sampler
 from iva.identification.records import Recording
 from iva.identification.responses import ORDERS, Values
+from iva.identification.stages import STAGES, telling
 from iva.parameters import Piva, Primary, Siva, Start, shown
+from iva.progress import Progress, reporting
 from iva.sampling import Distribution, whole
 from iva.spelling import spell_checked
 
@@ -52,6 +54,7 @@ def identify(
     start: Start | None = None,
     known: Mapping[str, Distribution] | None = None,
     seed: int = 0,
+    progress: bool | Progress = False,
 ) -> Fit:
     """Identify structure and absorber from a measured free decay; needs dynesty.
 
@@ -76,6 +79,9 @@ def identify(
         What is known of further numbers, by the names of their fields.
     seed : int, default 0
         Of the sampler. The same seed gives the same fit.
+    progress : bool or callable, default False
+        Told (done, total) when one of its stages has ended: the record is looked at, impacts are
+        found, the absorber is sampled, all is done. True: a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -122,8 +128,10 @@ def identify(
     finds = {Siva: free_mass.identified, Piva: pendulum.identified}
     find = alone.identified if absorber is None else finds[type(absorber)]
     try:
-        with np.errstate(all="ignore"):
-            found = find(recording, clock, floor, facts, seed)
+        with np.errstate(all="ignore"), reporting(progress) as report:
+            tell = telling(report)
+            found = find(recording, clock, floor, facts, seed, tell)
+            tell(STAGES)
     except np.linalg.LinAlgError:
         raise ValueError(
             "record: the fit broke down, its numbers do not determine a model; give a longer "

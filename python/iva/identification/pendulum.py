@@ -20,6 +20,7 @@ from iva.identification.records import Recording
 from iva.identification.responses import Values
 from iva.identification.searching import candidates
 from iva.identification.shooting import UNFIT, Shot, Target, grown, shot
+from iva.identification.stages import FOUND, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
 from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig
 
@@ -31,7 +32,14 @@ FOLLOWED = 24
 WIDE = 2.0
 
 
-def identified(recording: Recording, clock: float, floor: float, known: Stated, seed: int) -> Found:
+def identified(
+    recording: Recording,
+    clock: float,
+    floor: float,
+    known: Stated,
+    seed: int,
+    tell: Tell,
+) -> Found:
     """Return what a record says of a pendulum.
 
     Parameters
@@ -46,6 +54,8 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
         What is known beforehand.
     seed : int
         Of search and sampler.
+    tell : callable
+        Told how many stages have ended.
 
     Raises
     ------
@@ -58,6 +68,7 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
             "record.quantity = 'acceleration': of a pendulum give a displacement or a velocity"
         )
     target, times, jumps, spread, hertz = beginning(recording, clock, floor, known)
+    tell(LOOKED)
     begun = nearest(target, times, jumps, spread, hertz, known, seed)
     made = grown(target, begun, steps=8)
     if made.misfit > UNFIT:
@@ -72,7 +83,9 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     made = shot(target, made.numbers, made.restitutions, made.until, steps=4, scatter=scatter)
     gauss = gauss_of(target, made)
     belief = known.priors.get("restitution", Between(0.0, 1.0))
+    tell(FOUND)
     hyper = sampled(gauss, belief, seed)
+    tell(SAMPLED)
     draws, each = drawn(target, made, gauss, hyper, clock, seed)
     notes, reasons = [], []
     end = float(target.time[-1])
