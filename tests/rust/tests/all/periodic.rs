@@ -244,8 +244,8 @@ fn orbits_that_are_no_orbits_are_not_found() {
     let other = Cycle { length: 1.01 * whole.length, ..whole };
     let begun = trajectory(mass(record), &truth(record), other);
     assert!(find(&begun, false, None).is_err());
-    let shifted = mass(record).with_offset(0.3).unwrap();
-    let begun = trajectory(shifted, &truth(record), whole);
+    let unlike = mass(record).with_restitution_minus(0.5).unwrap();
+    let begun = trajectory(unlike, &truth(record), whole);
     let refused = find(&begun, true, None);
     assert!(matches!(refused, Err(Missed::NotPeriodic(_))), "{refused:?}");
     // Without an impact in the cycle.
