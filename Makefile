@@ -176,7 +176,7 @@ $(VENV)/.tools: pyproject.toml .ci/requirements.py
 	touch $@
 
 $(VENV)/.installed: $(VENV)/.tools $(SOURCES)
-	@echo "compiling the wheel: some 15 CPU minutes from nothing, less after a change"
+	@echo "compiling the wheel: some 9 to 15 CPU minutes from nothing, less after a change"
 	rm -f target/wheels/iva_dynamics-*.whl
 	$(BIN)/maturin build --locked --compression-level 9 --out target/wheels
 	$(PIP) install --quiet --no-deps --force-reinstall target/wheels/iva_dynamics-*.whl
