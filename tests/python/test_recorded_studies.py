@@ -8,6 +8,8 @@ import pytest
 
 import iva
 from iva import _iva
+from iva.measured.driving import FORCES
+from iva.measured.sensor_units import GRAVITIES, LENGTHS, TIMES
 from recordings import table, written
 
 STUDY = """version = 1
@@ -87,3 +89,24 @@ def test_units_that_a_study_refuses(
     assert message in capfd.readouterr().err
     with pytest.raises(ValueError):  # noqa: PT011 - in its own words
         iva.Recorded.read(tmp_path / "ground.csv", kind)  # type: ignore[arg-type]
+
+
+def test_studies_know_every_unit_by_the_factor_of_the_package(tmp_path: Path) -> None:
+    # The tables of units stand in both languages.
+    heads = [f"t [s],a [{unit}]" for unit in (*GRAVITIES, *(f"{one}/s^2" for one in LENGTHS))]
+    heads += [f"t [{unit}],a [m/s^2]" for unit in TIMES]
+    kinds = ["base_acceleration"] * len(heads) + ["force_newtons"] * len(FORCES)
+    heads += [f"t [s],F [{unit}]" for unit in FORCES]
+    for number, (head, kind) in enumerate(zip(heads, kinds, strict=True)):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        path = written(folder, table(head), "ground.csv")
+        force = iva.Recorded.read(path, kind)  # type: ignore[arg-type]
+        same = iva.simulate(
+            iva.Siva(mass=20.0, restitution=0.6, gap_mm=20.0),
+            iva.Primary(mass=200.0, stiffness=16e3, damping=30.0),
+            start=iva.Start(),
+            force=force,
+            duration=2.0,
+        )
+        assert ran(folder, kind).summary.equals(same.summary), head
