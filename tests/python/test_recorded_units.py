@@ -288,3 +288,18 @@ def test_decimal_commas_that_come_late(tmp_path: Path) -> None:
     quake = iva.Recorded.read(path)
     assert quake.values.tolist() == [0.0, G, 0.3 * G, 0.0]
     assert quake.times.tolist() == [0.0, 10 * 1e-3, 20.5 * 1e-3, 30 * 1e-3]
+
+
+@pytest.mark.parametrize(
+    ("peak", "other"), [(1.99, "g"), (2.01, None), (49.9, None), (50.1, r"mm/s\^2")]
+)
+def test_accelerations_of_a_size_that_leaves_the_unit_open(
+    tmp_path: Path, peak: float, other: str | None
+) -> None:
+    # Up to 2 they may be in g, above 50 in mm/s² or Gal; the ground never moved with 5 g.
+    path = written(tmp_path, table("t,a", [peak if k == 7 else 0.1 for k in range(40)]), "a.csv")
+    if other is None:
+        assert iva.Recorded.read(path, "base_acceleration").values[7] == peak
+        return
+    with pytest.raises(ValueError, match=rf"up to {peak} may be in m/s\^2 or in {other}"):
+        iva.Recorded.read(path, "base_acceleration")
