@@ -314,3 +314,28 @@ def test_one_number_is_that_of_all() -> None:
     assert all(run._frames == runs[0]._frames for run in runs)
     some = iva.Start(displacement=1.0, gap_velocity=rates)
     assert iva.simulate(absorbers, iva.Primary(), start=some, periods=5).impacts.height > 0
+
+
+@pytest.mark.parametrize("units", [1, 2, 3])
+def test_a_limit_of_impacts_is_the_begin_of_the_run(units: int) -> None:
+    # Restitution that rises to 1 as the speed falls: all masses chatter long and mostly below the
+    # floor, so that the decision what is listed comes late.
+    absorber = iva.Siva(
+        mass_ratio=0.3,
+        clearance=0.02,
+        restitution=0.63,
+        reference_speed=0.55,
+        restitution_exponent=0.25,
+        units=units,
+        clearance_spread=0.3 if units > 1 else 0.0,
+    )
+    scene: Any = {"start": iva.Start(displacement=1.0), "duration": 12.0, "chatter_floor": 1e-3}
+    whole = iva.simulate(absorber, iva.Primary(), **scene)
+    assert whole.summary["outcome"].item() == "finished"
+    count = whole.impacts.height
+    for most in (10, count // 2, count - 1, count, count + 1):
+        part = iva.simulate(absorber, iva.Primary(), **scene, max_impacts=most)
+        reached = most <= count
+        assert part.summary["outcome"].item() == ("impact_limit" if reached else "finished")
+        assert part.summary["impacts"].item() == part.impacts.height == min(most, count)
+        assert_frame_equal(part.impacts, whole.impacts.head(most))

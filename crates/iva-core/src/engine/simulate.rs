@@ -443,7 +443,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         if self.system.absorbers() > 1 {
             self.end_all();
         }
-        self.end_episode(false);
+        self.close();
         if self.system.absorbers() > 1 {
             self.tell_each();
         }

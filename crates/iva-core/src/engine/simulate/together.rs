@@ -88,6 +88,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         (self.riding, counts.streak) = (riding, renumbered(streak, self.others));
         counts.approach_speeds = own.approach_speeds;
         self.since = self.sums();
+        let undecided =
+            |(k, it): (usize, &Waiting<R>)| if k == absorber { 0.0 } else { it.streak.low };
+        let undecided: f64 = self.waiting.iter().enumerate().map(undecided).sum();
+        // The low rebounds of all absorbers wait for the decision whether they count, not those of the one at hand alone.
+        self.progress.max_impacts = self.limits.max_impacts as f64 + undecided;
         self.tally.state = self.system.turned_to(&self.tally.state, absorber);
     }
 
@@ -290,11 +295,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// Ends the stick episodes of all absorbers at the end of the run.
+    /// Closes the streaks and stick episodes of all absorbers at the end of the run.
     pub(super) fn end_all(&mut self) {
         for absorber in 0..self.system.absorbers() {
             self.turn_to(absorber);
-            self.end_episode(false);
+            self.close();
         }
     }
 

@@ -1,10 +1,10 @@
 //! Events at a wall: impact, chatter, stick, and leaving the wall.
 
-use super::{CANCEL_EVERY, Instant, Run, is_finite};
+use super::{CANCEL_EVERY, Instant, Outcome, Run, is_finite};
 use crate::absorber::chatter::{Rebound, first_search};
 use crate::absorber::impact::Impact;
 use crate::absorber::{Absorber, Clock, LawAt};
-use crate::engine::counts::Counted;
+use crate::engine::counts::{Counted, Streak};
 use crate::engine::observe::{Contact, Observer, StickEpisode};
 use crate::host::Excitation;
 use crate::number::real::Real;
@@ -194,18 +194,34 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let counts = &mut self.progress.counts;
         let streak = std::mem::take(&mut counts.streak);
         if streak.side != 0.0 {
-            counts.impacts -= streak.low;
-            counts.effective -= streak.low_effective;
-            if streak.low > 0.0 {
-                let first = (streak.listed_before - self.others) as u64;
-                self.observer.unlist(absorber, first, self.progress.floor);
-            }
+            self.unlist_low(absorber, &streak);
             episode.start_time = streak.start_time;
-            episode.impacts = (counts.impacts - streak.listed_before) as u64;
+            episode.impacts = (self.progress.counts.impacts - streak.listed_before) as u64;
             episode.energy_loss += streak.energy_loss;
         }
         self.tally.episodes += 1;
         self.riding = Some(episode);
+    }
+
+    /// Removes the low rebounds of a streak from the list and the counts.
+    fn unlist_low(&mut self, absorber: u8, streak: &Streak<R>) {
+        if streak.low > 0.0 {
+            let counts = &mut self.progress.counts;
+            counts.impacts -= streak.low;
+            counts.effective -= streak.low_effective;
+            let first = (streak.listed_before - self.others) as u64;
+            self.observer.unlist(absorber, first, self.progress.floor);
+        }
+    }
+
+    /// Closes the streak and the stick episode of the absorber at hand at the end of the run. Where the run ends by its
+    /// limit of impacts, low rebounds that wait for the decision whether they are listed are not.
+    pub(super) fn close(&mut self) {
+        if self.tally.outcome == Outcome::ImpactLimit {
+            let streak = std::mem::take(&mut self.progress.counts.streak);
+            self.unlist_low(self.system.at_hand(&self.tally.state) as u8, &streak);
+        }
+        self.end_episode(false);
     }
 
     /// Ends the current stick episode, by release or at the end of the run.
