@@ -179,6 +179,8 @@ pub trait Absorber: ImpactLaw {
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// True if flights that begin at a wall coast too, before they are searched.
+    const LEAPS: bool = false;
     /// How many steps (of one length, or pieces of a record) a flight is proved to go on without meeting a wall
     /// within the time `remaining`; and the state after them, with the time that they take.
     fn coasts(

@@ -319,6 +319,9 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Measures<S> {
                 each(&mut |span| self.list_peaks(system, span));
             }
             self.lose(whole);
+        } else if self.stretches.is_none() && !self.wanted.ledger {
+            // Nothing within is looked at.
+            self.span(system, whole);
         } else {
             each(&mut |span| self.span(system, span));
         }

@@ -37,7 +37,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`. Dashpots in the gaps: `modal/dashpot.rs`.
+//! Impacts: `modal/impact_law.rs`. Dashpots in the gaps: `modal/dashpot.rs`. Flights far from all walls: `modal/leaps.rs`.
 
 use std::sync::OnceLock;
 
@@ -57,11 +57,13 @@ pub use structure::ModalStructure;
 
 use dashpot::Dashpot;
 use equations::Stuck;
+use leaps::Leaps;
 
 mod absorber;
 mod dashpot;
 mod equations;
 pub mod impact_law;
+mod leaps;
 mod linear;
 mod matrices;
 mod motion;
@@ -107,6 +109,8 @@ pub struct Modal<H: Host, const N: usize = MOST> {
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
     reach: H::Real,
+    /// Made when the structure first leaps.
+    leaps: OnceLock<Leaps<H::Real>>,
 }
 
 impl<R: Real> Modal<UndrivenHost<R>> {
@@ -206,6 +210,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             dashpots,
             stuck,
             reach,
+            leaps: OnceLock::new(),
         }
     }
 

@@ -255,6 +255,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// One segment of free flight, ended by its length, a contact or the end of the run.
     fn fly(&mut self, remaining: R) -> bool {
         let system = self.system;
+        let remaining = self.coasted_first(remaining);
         let state = self.tally.state;
         if system.slides() {
             return if system.is_held(&state) {
@@ -269,7 +270,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         if let Some(FastFlight { length: h, later, end, meets }) = fast {
             self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
             match meets {
-                Meets::Nothing => self.coast(),
+                Meets::Nothing => self.coast_after(),
                 Meets::Wall => self.apply_impact(),
                 Meets::Near(side) => self.meet(side),
             }
@@ -287,7 +288,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.advance(&flight, stretch.end.h, length == remaining);
         match stretch.contact {
             Some(side) => self.meet(side),
-            None => self.coast(),
+            None => self.coast_after(),
         }
         true
     }

@@ -74,7 +74,19 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
 /// no more than t² (L − t)²/24 times the bound. At the wall that the flight left these coefficients count over t (L − t).
 #[inline(always)]
 pub fn stays_clear<R: Real>(ends: [[R; 2]; 2], clearance: R, fourth: R, length: R) -> bool {
-    let doubt = R::EPSILON * 0.5 * DOUBT * clearance;
+    stays_clear_by(ends, clearance, clearance, fourth, length)
+}
+
+/// [`stays_clear`] for distances that are differences of numbers of this size.
+#[inline(always)]
+pub(crate) fn stays_clear_by<R: Real>(
+    ends: [[R; 2]; 2],
+    clearance: R,
+    size: R,
+    fourth: R,
+    length: R,
+) -> bool {
+    let doubt = R::EPSILON * 0.5 * DOUBT * size;
     let square = length * length;
     let bent = (square * square) * fourth * (1.0 / 384.0);
     let third = length * (1.0 / 3.0);

@@ -318,6 +318,14 @@ pub trait Motion {
     fn arrival(&self, h: Self::Real) -> Self::State {
         self.state(h)
     }
+    /// The state at h, as far as [`Motion::clears`] and [`Motion::meets`] look at it.
+    fn ahead(&self, h: Self::Real) -> Self::State {
+        self.arrival(h)
+    }
+    /// The state at h, of which that ahead is known.
+    fn completed(&self, _h: Self::Real, ahead: &Self::State) -> Self::State {
+        *ahead
+    }
     /// The result of a flight of this length, or of a first part of it, if a proof in closed form decides it; `None`:
     /// nothing is proved.
     fn fast_path(&self, _length: Self::Real) -> Option<FastFlight<Self::State, Self::Real>> {

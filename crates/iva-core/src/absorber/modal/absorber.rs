@@ -2,9 +2,9 @@
 
 use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
-use crate::absorber::{Absorber, Clock, OnStructure as _, Wall, impact};
+use crate::absorber::{Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
 use crate::error::Invalid;
-use crate::host::{Host, Structure};
+use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::Jet;
@@ -58,9 +58,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         if !place.stuck {
             return *state;
         }
-        let mut freed = *state;
+        let mut freed = state.renewed();
         freed.places[k].stuck = false;
-        self.refresh(&mut freed);
         freed
     }
 
@@ -77,7 +76,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         let shrinking = (R::ONE + e) / (R::ONE - e);
         // With an e that comes up to 1 all impulses together are what the pressure, less than twice as large, gives meanwhile.
         let gained = if mass.varies() {
-            place.rate.value.abs() + place.pressure().abs() * time * 2.0
+            place.rate.value.abs() + self.pressure(state, at_hand).abs() * time * 2.0
         } else {
             shrinking * place.rate.value.abs()
         };
@@ -87,7 +86,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
             let Place { distance, rate, stuck, .. } = state.places[k];
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
             let kicked = impulse * both.sqrt();
-            let shaken = flight.shaken(k) + kicked * self.whole.growth() * 2.0;
+            let shaken = flight.most_shaken(k) + kicked * self.whole.growth() * 2.0;
             let travel = time * (rate.value.abs() + kicked + shaken * time);
             let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
             !stuck && near > travel && gap - near > travel
@@ -127,18 +126,29 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         ModalMotion::new(self, *state)
     }
 
+    const LEAPS: bool = true;
+
+    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
+        self.leap(state, remaining)
+    }
+
+    fn coasted(&self, state: &Self::State, steps: usize) -> Coasted<Self::State, R> {
+        self.leapt(state, steps)
+    }
+
     fn wall(&self, state: &Self::State) -> Wall {
         wall_of(self.at_hand_of(state).2.side)
     }
 
     /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
-        let Place { side, distance, rate, shaken, .. } = self.at_hand_of(state).2;
+        let (k, _, Place { side, distance, rate, .. }) = self.at_hand_of(state);
         if self.count == 0 {
             let value = if self.primary(state).x.is_finite() { R::ONE } else { R::NAN };
             return Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO };
         }
-        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| side * it);
+        let [a, jerk, ..] = self.shaken(state, k);
+        let [curvature, jerk] = [a, jerk].map(|it| side * it);
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
 
@@ -151,31 +161,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let (at_hand, mass, place) = self.at_hand_of(state);
         let met = place.measured_from(wall, mass);
-        let later = impact::delay(met.distance.value, met.rate.value, met.side * met.shaken[0]);
-        let mut touching = *state;
-        touching.modes = self.moved(state, later);
-        touching.phase = self.host.free().later(&state.phase, later);
-        touching.places = std::array::from_fn(|k| {
-            let (mass, place) = (&self.masses[k], &state.places[k]);
-            if place.stuck || k >= self.count {
-                return *place;
-            }
+        let acceleration = self.shaken(state, at_hand)[0];
+        let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
+        let mut touching = self.moved(state, later, |k| k == at_hand);
+        for (k, place) in touching.places[..self.count].iter_mut().enumerate() {
             if k == at_hand {
-                return Place { distance: DoubleDouble::ZERO, ..met.moved(later) };
+                let met = met.moved(later, acceleration);
+                *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
+            } else if !place.stuck {
+                let within = R::EPSILON * AT_ONCE_ULPS;
+                let meets = |seen: &Place<R>| {
+                    seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
+                };
+                let across = place.measured_from(wall_of(place.side).opposite(), &self.masses[k]);
+                if let Some(seen) = [*place, across].into_iter().find(meets) {
+                    *place = Place { distance: DoubleDouble::ZERO, ..seen };
+                }
             }
-            let after = place.moved(later);
-            let within = R::EPSILON * AT_ONCE_ULPS;
-            let meets = |seen: &Place<R>| {
-                seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
-            };
-            let across = after.measured_from(wall_of(after.side).opposite(), mass);
-            match [after, across].into_iter().find(meets) {
-                Some(seen) => Place { distance: DoubleDouble::ZERO, ..seen },
-                None => after,
-            }
-        });
-        if later != 0.0 {
-            self.refresh(&mut touching);
         }
         (touching, later)
     }
@@ -184,26 +186,25 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
     /// released with it, and their A is 0 without rounding.
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         let (at_hand, _, place) = self.at_hand_of(state);
-        let [a, jerk, snap, _] = place.shaken.map(|it| -place.side * it);
+        let [a, jerk, snap, _] = self.shaken(state, at_hand).map(|it| -place.side * it);
         let later = impact::delay(a, jerk, snap);
-        let mut after = *state;
-        after.modes = self.moved(state, later);
-        after.phase = self.host.free().later(&state.phase, later);
-        let leaves: [bool; N] = std::array::from_fn(|k| {
-            let place = &state.places[k];
+        let leaves = |k: usize| {
+            let side = state.places[k].side;
             let terms = || self.terms(state, self.shape(k)) * (R::EPSILON * RELEASED_ULPS);
-            let falls = || place.side * place.shaken[1] > 0.0;
-            let used = k < self.count;
-            k == at_hand || (used && place.stuck && place.pressure() <= terms() && falls())
-        });
-        for (k, place) in after.places.iter_mut().enumerate() {
-            *place = if leaves[k] { Place { stuck: false, ..*place } } else { place.moved(later) };
-        }
-        self.refresh(&mut after);
+            let ends = || {
+                let [a, jerk, ..] = self.shaken(state, k);
+                -side * a <= terms() && side * jerk > 0.0
+            };
+            k == at_hand || (state.places[k].stuck && ends())
+        };
+        let leaves: [bool; N] = std::array::from_fn(|k| k < self.count && leaves(k));
+        let mut after = self.moved(state, later, |k| leaves[k]).renewed();
         for (place, leaves) in after.places.iter_mut().zip(leaves) {
-            if leaves {
-                place.shaken[0] = R::ZERO;
-            }
+            place.stuck &= !leaves;
+        }
+        let shaken: [_; N] = std::array::from_fn(|k| leaves[k].then(|| self.shaken(&after, k)));
+        for (place, shaken) in after.places.iter_mut().zip(shaken) {
+            place.shaken = shaken.map(|[_, jerk, snap, crackle]| [R::ZERO, jerk, snap, crackle]);
         }
         (after, later)
     }

@@ -11,12 +11,12 @@
 //! the root of twice the energy grows by |φ_f| |f| + (|Γ| + Σ √μ) |a_g| per time at most, for M′ ≥ I and
 //! M′ ≥ μ φφᵀ.
 
-use super::series::{EXACT, Series, Term, scaled};
+use super::series::{ModalSeries, Series, Term, scaled};
 use super::state::Modes;
 use super::structure::Damping;
 use super::{MOST, MOST_MODES, Modal, ModalState};
 use crate::force::Drive;
-use crate::host::{Host, Phase};
+use crate::host::{Host, Phase, Structure as _};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::taylor::Number;
@@ -96,7 +96,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         b
     }
 
-    /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two).
+    /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two);
+    /// so many of them to twice the precision, [`EXACT`](super::series::EXACT) at most.
     #[inline(always)]
     pub(super) fn series(
         &self,
@@ -104,16 +105,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         stuck: &Stuck<R>,
         pushes: impl Fn(usize) -> Pushed<R>,
         unit: R,
-        order: usize,
-    ) -> Vec<Series<R>> {
-        let mut rows = vec![Series::ZERO; self.whole.count()];
-        for (j, row) in rows.iter_mut().enumerate() {
-            modes.places[j].put(row, 0);
-            scaled(modes.velocities[j], unit).put(row, 1);
-        }
+        (order, exact): (usize, usize),
+    ) -> ModalSeries<R> {
+        let mut rows = ModalSeries::new(self.whole.count(), order, exact);
+        rows.set(0, |j| modes.places[j]);
+        rows.set(1, |j| scaled(modes.velocities[j], unit));
         for m in 0..=order - 2 {
             let [f, a] = pushes(m);
-            if m + 2 < EXACT {
+            if m + 2 < exact {
                 self.raise::<DoubleDouble<R>>(&mut rows, m, stuck, [f, a], unit);
             } else {
                 self.raise::<R>(&mut rows, m, stuck, [f.value, a.value], unit);
@@ -126,30 +125,39 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     #[inline(always)]
     fn raise<T: Term<R>>(
         &self,
-        rows: &mut [Series<R>],
+        rows: &mut ModalSeries<R>,
         m: usize,
         stuck: &Stuck<R>,
         [f, a]: [T; 2],
         unit: R,
     ) {
-        let n = rows.len();
+        let n = self.whole.count();
         let zero = T::from_real(R::ZERO);
+        let square = unit * unit;
+        let damped = T::from_real(unit * (m + 1) as f64);
+        let over = T::reciprocal((m + 1) * (m + 2));
+        let (q, v) = (rows.power(m), rows.power(m + 1));
         let mut force = [zero; MOST_MODES];
-        let damped = unit * (m + 1) as f64;
-        for (j, force) in force.iter_mut().enumerate().take(n) {
-            let spring = T::of(scaled(self.whole.stiffness[j], unit * unit));
-            let damper = match &self.whole.damping {
-                Damping::Separate(rates) => T::of(rates[j]) * T::get(&rows[j], m + 1),
-                Damping::Full(matrix) => {
-                    let elements = matrix[j * n..(j + 1) * n].iter().zip(&*rows);
-                    elements.fold(zero, |sum, (element, row)| {
-                        T::get(row, m + 1).fused(T::from_real(*element), sum)
-                    })
+        let stiffness = &self.whole.stiffness[..n];
+        let sprung = |j: usize| T::of(scaled(stiffness[j], square)) * T::at(q, j);
+        match &self.whole.damping {
+            Damping::Separate(rates) => {
+                let rates = &rates[..n];
+                for (j, force) in force[..n].iter_mut().enumerate() {
+                    *force = -(T::of(rates[j]) * T::at(v, j) * damped) - sprung(j);
                 }
-            };
-            *force = -(spring * T::get(&rows[j], m)) - damper * T::from_real(damped);
+            }
+            Damping::Full(matrix) => {
+                for (j, force) in force[..n].iter_mut().enumerate() {
+                    let elements = matrix[j * n..(j + 1) * n].iter().enumerate();
+                    let damper = elements.fold(zero, |sum, (i, element)| {
+                        T::at(v, i).fused(T::from_real(*element), sum)
+                    });
+                    *force = -(damper * damped) - sprung(j);
+                }
+            }
         }
-        let [f, a] = [f, a].map(|push| push * T::from_real(unit * unit));
+        let [f, a] = [f, a].map(|push| push * T::from_real(square));
         if self.host.is_driven() {
             for (force, phi) in force.iter_mut().zip(self.whole.shape(self.pushed)) {
                 *force = *force + f * T::from_real(*phi);
@@ -174,10 +182,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 }
             }
         }
-        let over = T::reciprocal((m + 1) * (m + 2));
-        for (row, force) in rows.iter_mut().zip(force) {
-            (force * over).put(row, m + 2);
-        }
+        rows.set(m + 2, |j| force[j] * over);
     }
 
     /// The coefficients of f and a_g from a state of the drive on, in powers of t = h/`unit`.
@@ -201,67 +206,60 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The displacement of a shape beyond a uniform motion, with that of the base or without, from the series of all modes:
-    /// ∬A up to `order`.
+    /// ∬A from power 2 on up to `order`.
     #[inline(always)]
     pub(super) fn curved(
         &self,
-        rows: &[Series<R>],
+        rows: &ModalSeries<R>,
         (shape, with_base): (&[R], bool),
         pushes: &impl Fn(usize) -> Pushed<R>,
         (unit, order): (R, usize),
     ) -> Series<R> {
         let mut sum = Series::ZERO;
-        for (row, phi) in rows.iter().zip(shape) {
-            sum.add(row, *phi, order);
+        for m in 2..=order {
+            sum.set(m, rows.summed(shape, m));
         }
         if with_base && self.host.moves_base() {
             for m in 2..=order {
                 let [_, a] = pushes(m - 2);
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
                 let moved = scaled(a, unit * unit) * over;
-                (DoubleDouble::get(&sum, m) + moved).put(&mut sum, m);
+                sum.set(m, rows.summed(shape, m) + moved);
             }
         }
-        DoubleDouble::ZERO.put(&mut sum, 0);
-        DoubleDouble::ZERO.put(&mut sum, 1);
         sum
     }
 
-    /// Computes the accelerations at the points of all masses anew.
-    pub(super) fn refresh(&self, state: &mut ModalState<H, N>) {
-        let shaken = {
-            let stuck = self.stuck_in(&state.places);
+    /// The absolute acceleration A of the structure at the point of a mass, and its first three derivatives.
+    pub(super) fn shaken(&self, state: &ModalState<H, N>, k: usize) -> [R; 4] {
+        let place = &state.places[k];
+        place.shaken.unwrap_or_else(|| {
             let pushes = self.pushes(&state.phase, R::ONE);
-            let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
-            let mut shaken = [[R::ZERO; 4]; N];
-            for (k, shaken) in shaken[..self.count].iter_mut().enumerate() {
-                let followed = self.followed(k, state.places[k].stuck);
-                let curved = self.curved(&rows, followed, &pushes, (R::ONE, 5));
-                for (shaken, (m, factorial)) in
-                    shaken.iter_mut().zip([(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)])
-                {
-                    *shaken = R::get(&curved, m) * factorial;
-                }
-            }
-            shaken
-        };
-        for (place, shaken) in state.places.iter_mut().zip(shaken) {
-            place.shaken = shaken;
-        }
+            // Of a mass in flight A and its rate are enough.
+            let order = if place.stuck { 5 } else { 3 };
+            let stuck = self.stuck_in(&state.places);
+            let rows = self.series(&state.modes, stuck, &pushes, R::ONE, (order, 3));
+            let followed = self.followed(k, place.stuck);
+            let curved = self.curved(&rows, followed, &pushes, (R::ONE, order));
+            [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
+        })
+    }
+
+    /// −s A: the pressure on its wall per unit mass, if a mass is stuck.
+    pub(super) fn pressure(&self, state: &ModalState<H, N>, k: usize) -> R {
+        -state.places[k].side * self.shaken(state, k)[0]
     }
 
     /// A bound on the derivative n + 1 of the displacement at a point, and of a_g n − 1, in a motion of this length from
-    /// the begin of these series on.
+    /// an instant on at which the modes have these derivatives n and n + 1.
     pub(super) fn bound(
         &self,
-        (rows, unit): (&[Series<R>], R),
+        derivatives: impl Fn(usize) -> [R; 2],
         stuck: &Stuck<R>,
         (shape, with_base): (&[R], bool),
         n: usize,
         length: R,
     ) -> R {
-        let powers = (1..=n).fold(R::ONE, |power, i| power / unit * i as f64);
-        let next = powers / unit * (n + 1) as f64;
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(n as i32));
         let pushed = self.whole.shape(self.pushed);
         let none: &[R] = &[];
@@ -269,8 +267,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let separate = stuck.masses.is_empty() && self.whole.is_separate();
         let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
         let mut rates = [R::ZERO; MOST_MODES];
-        for (j, row) in rows.iter().enumerate() {
-            let [low, high] = [R::get(row, n) * powers, R::get(row, n + 1) * next];
+        for j in 0..self.whole.count() {
+            let [low, high] = derivatives(j);
             let energy = high * high + self.whole.stiffness[j].value * (low * low);
             let phi = shape[j];
             let part = parts.get(j).copied().unwrap_or(R::ZERO);
@@ -318,17 +316,33 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         sum + pushed.fold(R::ZERO, |sum, (a, b)| sum + (*a * *b).abs()) * f + a * 2.0
     }
 
-    /// The modes a short time later, by velocity and acceleration.
-    pub(super) fn moved(&self, state: &ModalState<H, N>, time: R) -> Modes<R> {
-        let stuck = self.stuck_in(&state.places);
-        let rows = self.series(&state.modes, stuck, self.pushes(&state.phase, R::ONE), R::ONE, 2);
-        let mut modes = state.modes;
-        for (j, row) in rows.iter().enumerate() {
-            let acceleration = R::get(row, 2) * 2.0;
-            modes.places[j] = modes.places[j].plus(modes.velocities[j].value * time);
-            modes.velocities[j] = modes.velocities[j].plus(acceleration * time);
+    /// A short time later: the modes and the drive, and all places but those that `chosen` changes.
+    pub(super) fn moved(
+        &self,
+        state: &ModalState<H, N>,
+        time: R,
+        chosen: impl Fn(usize) -> bool,
+    ) -> ModalState<H, N> {
+        if time == 0.0 {
+            return *state;
         }
-        modes
+        let pushes = self.pushes(&state.phase, R::ONE);
+        let stuck = self.stuck_in(&state.places);
+        let rows = self.series(&state.modes, stuck, &pushes, R::ONE, (2, 0));
+        let mut moved = state.renewed();
+        for j in 0..self.whole.count() {
+            let acceleration = rows.plain(j, 2) * 2.0;
+            moved.modes.places[j] =
+                moved.modes.places[j].plus(moved.modes.velocities[j].value * time);
+            moved.modes.velocities[j] = moved.modes.velocities[j].plus(acceleration * time);
+        }
+        moved.phase = self.host.free().later(&state.phase, time);
+        for k in (0..self.count).filter(|k| !chosen(*k)) {
+            let place = &mut moved.places[k];
+            let curved = self.curved(&rows, self.followed(k, place.stuck), &pushes, (R::ONE, 2));
+            *place = place.moved(time, curved.plain(2) * 2.0);
+        }
+        moved
     }
 
     /// The velocity at the point of a mass that impulses on the structure at those of others give it.

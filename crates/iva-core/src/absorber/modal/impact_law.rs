@@ -101,12 +101,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
             let hopping = |k: &usize| {
                 let Place { side, stuck, .. } = places[*k];
-                let pressure = places[*k].pressure();
+                if !stuck || carried[*k] {
+                    return false;
+                }
+                let pressure = self.pressure(state, *k);
                 let speed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
                 let e = self.masses[*k].law_for(side, speed).restitution;
                 let falls = pressure * (R::ONE - e);
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
-                stuck && !carried[*k] && pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
+                pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
             };
             let Some(k) = (0..self.count).find(hopping) else { break };
             (hops[k], carried[k]) = (true, true);
@@ -121,7 +124,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         blow: &Blow<R, N>,
         outside: Option<DoubleDouble<R>>,
     ) -> ModalState<H, N> {
-        let mut after = *state;
+        let mut after = state.renewed();
         for k in 0..self.count {
             let place = &mut after.places[k];
             place.stuck &= blow.carried[k];
@@ -152,9 +155,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     ) -> ModalState<H, N> {
         let outside = std::array::from_fn(|k| impulse * self.pushed_at(k));
         let blow = self.blow(state, &[None; N], &outside, R::ZERO);
-        let mut after = self.after(state, &blow, Some(impulse));
-        self.refresh(&mut after);
-        after
+        self.after(state, &blow, Some(impulse))
     }
 
     /// The velocity in the gap of a mass per impulse from outside.
@@ -202,7 +203,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
                 after.places[k].rate = before.product(DoubleDouble::new(-e));
             }
         }
-        self.refresh(&mut after);
         let (k, mass, place) = self.at_hand_of(state);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
@@ -238,7 +238,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
         let mut after = self.after(&stuck, &blow, None);
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
-        self.refresh(&mut after);
         (after, blow.impulses[k].value * 0.5 * rhs[k].value)
     }
 }

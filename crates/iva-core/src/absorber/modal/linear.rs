@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Modal;
-use super::series::Term as _;
+use super::series::EXACT;
 use super::structure::Damping;
 use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
 use crate::host::Host;
@@ -43,12 +43,12 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
         }
         let pushes = self.pushes(&state.phase, 1.0);
         let [_, base] = pushes(0);
-        let rows = self.series(&state.modes, self.stuck_in(&places), &pushes, 1.0, 2);
-        let n = rows.len();
+        let rows = self.series(&state.modes, self.stuck_in(&places), &pushes, 1.0, (2, EXACT));
+        let n = self.whole.count();
         let mut rates = DVector::zeros(2 * (n + self.count));
-        for (j, row) in rows.iter().enumerate() {
+        for j in 0..n {
             rates[j] = state.modes.velocities[j].value;
-            rates[n + j] = 2.0 * f64::get(row, 2);
+            rates[n + j] = 2.0 * rows.plain(j, 2);
         }
         for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
             let (shape, with_base) = self.followed(k, false);

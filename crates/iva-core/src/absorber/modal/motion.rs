@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::equations::{Pushed, Stuck};
-use super::series::{Series, scaled};
+use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Modal, ModalState, wall_of};
@@ -11,8 +11,10 @@ use crate::absorber::{OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear};
-use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Side, Travel};
+use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear_by};
+use crate::segment::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Seen, Side, Travel,
+};
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
@@ -28,14 +30,21 @@ pub struct ModalMotion<'a, H: Host, const N: usize> {
     /// Unit of time of the series: a power of two.
     unit: H::Real,
     reach: H::Real,
-    /// q of all modes.
-    rows: Vec<Series<H::Real>>,
-    /// ∬A at the points of all masses.
-    curved: [Series<H::Real>; N],
-    /// a_g.
-    base: Row<H::Real>,
+    /// The power series, once they were needed.
+    expansion: OnceCell<Box<Expansion<H::Real, N>>>,
     /// x at the point that the run sees, once it was needed.
     seen: OnceCell<Series<H::Real>>,
+}
+
+/// The power series of a motion.
+#[derive(Debug, Clone)]
+struct Expansion<R, const N: usize> {
+    /// q of all modes.
+    rows: ModalSeries<R>,
+    /// ∬A at the points of the masses for which it was needed.
+    curved: [OnceCell<Series<R>>; N],
+    /// a_g.
+    base: Row<R>,
 }
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
@@ -44,21 +53,48 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let unit = R::power_of_two(system.reach);
         let smooth = system.host.smooth_for(&from.phase);
         let reach = if smooth <= system.reach { smooth } else { system.reach };
-        let (rows, curved, base) = {
-            let pushes = system.pushes(&from.phase, unit);
-            let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
-            let mut curved = [Series::ZERO; N];
-            for (k, curved) in curved[..system.count].iter_mut().enumerate() {
-                let followed = system.followed(k, from.places[k].stuck);
-                *curved = system.curved(&rows, followed, &pushes, (unit, ORDER));
-                // At a release the acceleration is set to 0 without rounding.
-                if from.places[k].shaken[0] == 0.0 {
-                    curved.set(2, DoubleDouble::ZERO);
-                }
+        let (expansion, seen) = (OnceCell::new(), OnceCell::new());
+        Self { system, stuck, from, unit, reach, expansion, seen }
+    }
+
+    fn expansion(&self) -> &Expansion<R, N> {
+        self.expansion.get_or_init(|| Box::new(self.expanded()))
+    }
+
+    fn expanded(&self) -> Expansion<R, N> {
+        let pushes = self.system.pushes(&self.from.phase, self.unit);
+        let rows =
+            self.system.series(&self.from.modes, self.stuck, &pushes, self.unit, (ORDER, EXACT));
+        Expansion { rows, curved: [const { OnceCell::new() }; N], base: base_row(pushes) }
+    }
+
+    /// ∬A at the point of a mass.
+    fn curved(&self, k: usize) -> &Series<R> {
+        let Expansion { rows, curved, .. } = self.expansion();
+        curved[k].get_or_init(|| {
+            let place = &self.from.places[k];
+            let pushes = self.system.pushes(&self.from.phase, self.unit);
+            let followed = self.system.followed(k, place.stuck);
+            let mut curved = self.system.curved(rows, followed, &pushes, (self.unit, ORDER));
+            // At a release the acceleration is set to 0 without rounding.
+            if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
+                curved.set(2, DoubleDouble::ZERO);
             }
-            (rows, curved, base_row(pushes))
-        };
-        Self { system, stuck, from, unit, reach, rows, curved, base, seen: OnceCell::new() }
+            curved
+        })
+    }
+
+    /// q of all modes.
+    fn modal_series(&self) -> &ModalSeries<R> {
+        &self.expansion().rows
+    }
+
+    /// The derivatives n and n + 1 of each mode at the begin.
+    fn derivatives(&self, n: usize) -> impl Fn(usize) -> [R; 2] {
+        let powers = (1..=n).fold(R::ONE, |power, i| power / self.unit * i as f64);
+        let next = powers / self.unit * (n + 1) as f64;
+        let rows = self.modal_series();
+        move |j| [rows.plain(j, n) * powers, rows.plain(j, n + 1) * next]
     }
 
     fn share(&self, h: R) -> R {
@@ -66,10 +102,9 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     }
 
     /// A bound on |A| at the point of a mass.
-    pub(super) fn shaken(&self, k: usize) -> R {
-        let of = (self.rows.as_slice(), self.unit);
+    pub(super) fn most_shaken(&self, k: usize) -> R {
         let followed = self.system.followed(k, self.from.places[k].stuck);
-        self.system.bound(of, self.stuck, followed, 1, self.reach)
+        self.system.bound(self.derivatives(1), self.stuck, followed, 1, self.reach)
     }
 
     /// The index of the absorber at hand.
@@ -88,8 +123,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     /// The displacement of a point of this shape.
     fn displacement(&self, shape: &[R]) -> Series<R> {
         let mut sum = Series::ZERO;
-        for (row, phi) in self.rows.iter().zip(shape) {
-            sum.add(row, *phi, ORDER);
+        for m in 0..=ORDER {
+            sum.set(m, self.modal_series().summed(shape, m));
         }
         sum
     }
@@ -97,7 +132,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     /// The place of a mass at h. Its accelerations are those that its curve needs.
     #[inline(always)]
     fn place(&self, k: usize, h: R) -> Place<R> {
-        let (place, curved, t) = (&self.from.places[k], &self.curved[k], self.share(h));
+        let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));
         let over = R::ONE / self.unit;
         let square = over * over;
         if place.stuck {
@@ -105,43 +140,52 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
             let a = curved.derivative::<2>(t).value * square;
             let [jerk, snap] = [jerks[0].value * over * square, jerks[1].value * square * square];
             let crackle = curved.derivative::<5>(t).value * over * square * square;
-            return Place { shaken: [a, jerk, snap, crackle], ..*place };
+            return Place { shaken: Some([a, jerk, snap, crackle]), ..*place };
         }
         let sided = |sum: DoubleDouble<R>| DoubleDouble {
             value: place.side * sum.value,
             rest: place.side * sum.rest,
         };
         let straight = place.rate.times(h);
-        let distance = place.distance.plus_both(straight, sided(curved.derivative::<0>(t)));
-        let rate = place.rate + sided(scaled(curved.derivative::<1>(t), over));
-        let a = curved.derivative::<2>(t).value * square;
-        let jerk = curved.derivative::<3>(t).value * over * square;
-        Place { distance, rate, shaken: [a, jerk, R::ZERO, R::ZERO], ..*place }
+        let [bent, gained] = curved.at(t);
+        let distance = place.distance.plus_both(straight, sided(bent));
+        let rate = place.rate + sided(scaled(gained, over));
+        let [a, jerk] = curved.bends(t);
+        let shaken = Some([a * square, jerk * over * square, R::ZERO, R::ZERO]);
+        Place { distance, rate, shaken, ..*place }
     }
 
-    /// The modes at h.
-    #[inline(always)]
-    fn modes(&self, h: R) -> Modes<R> {
-        let (t, over) = (self.share(h), R::ONE / self.unit);
-        let mut modes = Modes::REST;
-        let both = modes.places.iter_mut().zip(&mut modes.velocities);
-        for ((q, v), row) in both.zip(&self.rows) {
-            *q = row.derivative::<0>(t);
-            *v = scaled(row.derivative::<1>(t), over);
+    /// A and its derivatives that come with a place of the absorber at hand; those at the begin where none do.
+    fn shaken(&self, place: &Place<R>) -> [R; 4] {
+        let begin = || self.place(self.at_hand(), R::ZERO).shaken;
+        place.shaken.or_else(begin).unwrap_or([R::NAN; 4])
+    }
+
+    /// The state at h, at which the modes are these.
+    fn state_with(&self, modes: Modes<R>, h: R) -> ModalState<H, N> {
+        let (system, from) = (self.system, &self.from);
+        let mut places = from.places;
+        for (k, place) in places[..system.count].iter_mut().enumerate() {
+            let known = self.expansion().curved[k].get().is_some();
+            let follows = known || place.stuck || system.host.moves_base();
+            *place =
+                if follows { self.place(k, h) } else { system.place_after(from, k, &modes, h) };
         }
-        modes
+        let free = system.host.free();
+        let phase = free.renewed(&free.within(&from.phase, h));
+        ModalState { modes, places, phase, at_hand: from.at_hand }
     }
 
     /// q̇ of all modes as polynomials in t.
     fn velocities(&self) -> Vec<Row<R>> {
-        let rate = |row: &Series<R>| {
-            let row = row.row();
+        let rate = |j: usize| {
+            let row = self.modal_series().row(j);
             let over = R::ONE / self.unit;
             std::array::from_fn(|m| {
                 if m < ORDER { row[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
             })
         };
-        self.rows.iter().map(rate).collect()
+        (0..self.system.whole.count()).map(rate).collect()
     }
 
     /// ∫ a b dh of two polynomials from 0 to h.
@@ -242,17 +286,53 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn state(&self, h: R) -> Self::State {
-        let mut state = {
-            let mut places = self.from.places;
-            for (k, place) in places[..self.system.count].iter_mut().enumerate() {
-                *place = self.place(k, h);
-            }
-            let free = self.system.host.free();
-            let phase = free.renewed(&free.within(&self.from.phase, h));
-            ModalState { modes: self.modes(h), places, phase, at_hand: self.from.at_hand }
-        };
-        self.system.refresh(&mut state);
-        state
+        self.state_with(self.modal_series().modes(self.share(h), self.unit), h)
+    }
+
+    /// Of one mass; several are asked one by one.
+    fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
+        if !R::FAST_PATHS || self.from.places[self.at_hand()].stuck {
+            return None;
+        }
+        let ahead = self.ahead(length);
+        if self.clears(length, &ahead) {
+            let end = self.completed(length, &ahead);
+            return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
+        }
+        let (length, side) = self.meets(length, &ahead)?;
+        let end = self.arrival(length);
+        Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Near(side) })
+    }
+
+    /// Distances and rates of masses in flight are those of plain numbers.
+    fn ahead(&self, h: R) -> Self::State {
+        let (system, from) = (self.system, &self.from);
+        let modes = self.modal_series().modes(self.share(h), self.unit);
+        let mut ahead = ModalState { modes, ..*from };
+        for k in 0..system.count {
+            let place = &from.places[k];
+            ahead.places[k] = if place.stuck || system.host.moves_base() {
+                self.place(k, h)
+            } else {
+                let [mut u, mut v] = [R::ZERO; 2];
+                for (j, phi) in system.gap_shape(k).iter().enumerate() {
+                    let (q, rate) = (from.modes.places[j].value, from.modes.velocities[j].value);
+                    let moved = modes.places[j].value - rate.mul_add(h, q);
+                    u = phi.mul_add(moved, u);
+                    v = phi.mul_add(modes.velocities[j].value - rate, v);
+                }
+                let distance =
+                    place.side.mul_add(u, place.rate.value.mul_add(h, place.distance.value));
+                let rate = place.side.mul_add(v, place.rate.value);
+                let [distance, rate] = [distance, rate].map(DoubleDouble::new);
+                Place { distance, rate, ..*place }
+            };
+        }
+        ahead
+    }
+
+    fn completed(&self, h: R, ahead: &Self::State) -> Self::State {
+        self.state_with(ahead.modes, h)
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
@@ -260,26 +340,32 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let (from, to) = (&self.from.places[k], &end.places[k]);
         if from.stuck {
             let pressed = |place: &Place<R>| {
-                let [a, jerk, ..] = place.shaken;
+                let [a, jerk, ..] = self.shaken(place);
                 [-place.side * a, -place.side * jerk]
             };
             let ends = [pressed(from), pressed(to)];
             return keeps_pressing(ends, self.magnitude(), self.fourth(), length);
         }
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
-        stays_clear(ends, self.magnitude(), self.fourth(), length)
+        let mut size = self.magnitude();
+        for (j, phi) in self.system.gap_shape(k).iter().enumerate() {
+            let moved = self.from.modes.velocities[j].value.abs() * length;
+            let sizes = [&self.from, end].map(|state| state.modes.places[j].value.abs());
+            size += phi.abs() * (sizes[0] + sizes[1] + moved);
+        }
+        stays_clear_by(ends, self.magnitude(), size, self.fourth(), length)
     }
 
-    fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
+    fn meets(&self, length: R, _end: &Self::State) -> Option<(R, Side)> {
         let k = self.at_hand();
-        let (from, to) = (&self.from.places[k], &end.places[k]);
-        if from.stuck {
+        if self.from.places[k].stuck {
             return None;
         }
+        let (from, to) = (&self.place(k, R::ZERO), &self.place(k, length));
         let [values, rates] = [[from.distance, to.distance], [from.rate, to.rate]];
         let ends = [values, rates].map(|ends| ends.map(|end| end.value));
         let (side, level) = only_contact(ends, self.magnitude(), self.fourth(), length)?;
-        let bends = [from, to].map(|place| from.side * place.shaken[0]);
+        let bends = [from, to].map(|place| from.side * self.shaken(place)[0]);
         let h = {
             meeting(
                 ends,
@@ -307,7 +393,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn acceleration(&self, h: R) -> R {
-        self.primary(h).curvature + horner(&self.base, self.share(h))
+        self.primary(h).curvature + horner(&self.expansion().base, self.share(h))
     }
 
     fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
@@ -315,11 +401,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
             return None;
         }
         if self.system.dashpots[absorber].is_none() || self.from.places[absorber].stuck {
-            return Some(self.place(absorber, h).shaken[0]);
+            return Some(self.shaken(&self.place(absorber, h))[0]);
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
         let bent = self.displacement(self.system.shape(absorber)).derivative::<2>(t).value;
-        Some(bent * over * over + horner(&self.base, t))
+        Some(bent * over * over + horner(&self.expansion().base, t))
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
@@ -364,14 +450,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        let x = self.x().row();
+        let (x, base) = (self.x().row(), self.expansion().base);
         let square = R::ONE / (self.unit * self.unit);
         let acceleration = std::array::from_fn(|m| {
             let of = ((m + 1) * (m + 2)) as f64;
             let bent = if m + 2 <= ORDER { x[m + 2] * of * square } else { R::ZERO };
-            if m + 2 <= ORDER { bent + self.base[m] } else { R::ZERO }
+            if m + 2 <= ORDER { bent + base[m] } else { R::ZERO }
         });
-        Some(Rows { step: self.unit, order: ORDER, x, acceleration, base: self.base })
+        Some(Rows { step: self.unit, order: ORDER, x, acceleration, base })
     }
 
     fn travel(&self) -> Option<Travel<R>> {
@@ -383,7 +469,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let (k, rows) = (self.system.index(absorber), self.rows()?);
         let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
         let GapPoint { y, w } = place.gap(mass);
-        let curved = self.curved[k].row();
+        let curved = self.curved(k).row();
         let mut gap: Row<R> =
             std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
@@ -406,7 +492,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
 
     /// D, or the pressure −s A.
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let Place { side, distance, rate, shaken, .. } = sample.places[self.at_hand()];
+        let place = &sample.places[self.at_hand()];
+        let (Place { side, distance, rate, .. }, shaken) = (*place, self.shaken(place));
         if self.is_stuck() {
             let [value, rate, curvature, jerk] = shaken.map(|it| -side * it);
             return Jet { value, rate, curvature, jerk };
@@ -417,13 +504,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
         let place = self.place(self.at_hand(), h);
-        if self.is_stuck() { DoubleDouble::new(place.pressure()) } else { place.distance }
+        if self.is_stuck() {
+            DoubleDouble::new(-place.side * self.shaken(&place)[0])
+        } else {
+            place.distance
+        }
     }
 
     fn fourth(&self) -> R {
         let followed = self.system.followed(self.at_hand(), self.is_stuck());
         let n = if self.is_stuck() { 5 } else { 3 };
-        self.system.bound((&self.rows, self.unit), self.stuck, followed, n, self.reach)
+        self.system.bound(self.derivatives(n), self.stuck, followed, n, self.reach)
     }
 
     fn magnitude(&self) -> R {

@@ -20,9 +20,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
     }
 
     fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        let mut driven = ModalState { phase: like.phase, ..*state };
-        self.refresh(&mut driven);
-        driven
+        ModalState { phase: like.phase, ..*state }.renewed()
     }
 
     /// That of all masses together.
@@ -72,9 +70,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
             return after;
         }
         // The event loop asks for one mass only whether it presses on its wall still.
-        let mut free = after;
+        let mut free = after.renewed();
         free.places[0].stuck = false;
-        self.refresh(&mut free);
-        if after.places[0].stuck && free.places[0].pressure() <= 0.0 { free } else { after }
+        if after.places[0].stuck && self.pressure(&free, 0) <= 0.0 { free } else { after }
     }
 }

@@ -1,12 +1,14 @@
-//! The power series of one coordinate of a motion.
+//! The power series of a motion: those of all modes, and that of one coordinate, which is a sum of them.
 
-use crate::number::compensated::DoubleDouble;
+use super::MOST_MODES;
+use super::state::Modes;
+use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
 use crate::segment::taylor::{Number, ORDER, Row};
 
-/// Number of leading coefficients in double-double. In the longest motion the next term is below 0.8⁹/9! = 4 · 10⁻⁷ of
+/// Number of leading coefficients in double-double. In the longest motion the next term is below 0.8⁷/7! = 4 · 10⁻⁵ of
 /// the whole, so that its rounding is nothing.
-pub(super) const EXACT: usize = 9;
+pub(super) const EXACT: usize = 7;
 
 /// Coefficients in powers of t = h over the unit of time of the series.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,14 +17,22 @@ pub struct Series<R> {
     rest: [R; ORDER + 1 - EXACT],
 }
 
+/// The power series of all modes: each power of all, one after the other. Powers below the exact ones have low parts as well.
+#[derive(Debug, Clone)]
+pub(super) struct ModalSeries<R> {
+    n: usize,
+    high: Vec<R>,
+    low: Vec<R>,
+}
+
 /// Numbers in which a coefficient is computed: in double-double, or plain beyond the first.
 pub(super) trait Term<R: Real>: Number<Real = R> {
     /// From a double-double.
     fn of(value: DoubleDouble<R>) -> Self;
-    /// A coefficient of a series.
-    fn get(series: &Series<R>, power: usize) -> Self;
-    /// Sets a coefficient.
-    fn put(self, series: &mut Series<R>, power: usize);
+    /// From the high and low parts of some numbers, of which plain ones need the high parts only.
+    fn at(parts: (&[R], &[R]), index: usize) -> Self;
+    /// High and low part.
+    fn parts(self) -> [R; 2];
 }
 
 impl<R: Real> Term<R> for R {
@@ -31,16 +41,12 @@ impl<R: Real> Term<R> for R {
         value.value
     }
     #[inline(always)]
-    fn get(series: &Series<R>, power: usize) -> R {
-        if power < EXACT { series.first[power].value } else { series.rest[power - EXACT] }
+    fn at((high, _): (&[R], &[R]), index: usize) -> R {
+        high[index]
     }
     #[inline(always)]
-    fn put(self, series: &mut Series<R>, power: usize) {
-        if power < EXACT {
-            series.first[power] = DoubleDouble::new(self);
-        } else {
-            series.rest[power - EXACT] = self;
-        }
+    fn parts(self) -> [R; 2] {
+        [self, R::ZERO]
     }
 }
 
@@ -50,20 +56,105 @@ impl<R: Real> Term<R> for DoubleDouble<R> {
         value
     }
     #[inline(always)]
-    fn get(series: &Series<R>, power: usize) -> Self {
-        if power < EXACT {
-            series.first[power]
-        } else {
-            DoubleDouble::new(series.rest[power - EXACT])
-        }
+    fn at((high, low): (&[R], &[R]), index: usize) -> Self {
+        DoubleDouble { value: high[index], rest: low[index] }
     }
     #[inline(always)]
-    fn put(self, series: &mut Series<R>, power: usize) {
-        if power < EXACT {
-            series.first[power] = self;
-        } else {
-            series.rest[power - EXACT] = self.value;
+    fn parts(self) -> [R; 2] {
+        [self.value, self.rest]
+    }
+}
+
+/// c + s t in double-double, normalised at the end of a sum only.
+#[inline(always)]
+fn raised<R: Real>([sum, rest]: [R; 2], t: R, [by, by_rest]: [R; 2]) -> [R; 2] {
+    let (product, lost) = two_product(sum, t);
+    let (value, left) = two_sum(by, product);
+    [value, left + (rest.mul_add(t, by_rest) + lost)]
+}
+
+impl<R: Real> ModalSeries<R> {
+    /// With room for powers up to `order`, of which so many are exact.
+    pub(super) fn new(n: usize, order: usize, exact: usize) -> Self {
+        Self { n, high: vec![R::ZERO; (order + 1) * n], low: vec![R::ZERO; exact * n] }
+    }
+
+    /// High and low parts of a power; the low ones are none where it is plain.
+    #[inline(always)]
+    pub(super) fn power(&self, m: usize) -> (&[R], &[R]) {
+        let low = self.low.get(m * self.n..(m + 1) * self.n).unwrap_or(&[]);
+        (&self.high[m * self.n..][..self.n], low)
+    }
+
+    /// Sets a power of all modes.
+    #[inline(always)]
+    pub(super) fn set<T: Term<R>>(&mut self, m: usize, of: impl Fn(usize) -> T) {
+        let n = self.n;
+        let high = &mut self.high[m * n..][..n];
+        match self.low.get_mut(m * n..(m + 1) * n) {
+            Some(low) => (0..n).for_each(|j| [high[j], low[j]] = of(j).parts()),
+            None => (0..n).for_each(|j| high[j] = of(j).parts()[0]),
         }
+    }
+
+    /// A coefficient of a mode, plain.
+    #[inline(always)]
+    pub(super) fn plain(&self, j: usize, m: usize) -> R {
+        self.high[m * self.n + j]
+    }
+
+    /// The power series of one mode, plain.
+    pub(super) fn row(&self, j: usize) -> Row<R> {
+        std::array::from_fn(|m| self.high[m * self.n + j])
+    }
+
+    /// The coefficient of a sum of modes with these factors.
+    #[inline(always)]
+    pub(super) fn summed(&self, shape: &[R], m: usize) -> DoubleDouble<R> {
+        let (high, low) = self.power(m);
+        if low.is_empty() {
+            let both = shape.iter().zip(high);
+            return DoubleDouble::new(both.fold(R::ZERO, |sum, (phi, q)| phi.mul_add(*q, sum)));
+        }
+        let [mut sum, mut rest] = [R::ZERO; 2];
+        for ((phi, q), low) in shape.iter().zip(high).zip(low) {
+            let (product, lost) = two_product(*phi, *q);
+            let (more, left) = two_sum(sum, product);
+            (sum, rest) = (more, rest + (left + phi.mul_add(*low, lost)));
+        }
+        DoubleDouble::new(sum).plus_parts(R::ZERO, rest)
+    }
+
+    /// q and q̇ of all modes at t = h/`unit`.
+    #[inline(always)]
+    pub(super) fn modes(&self, t: R, unit: R) -> Modes<R> {
+        let n = self.n;
+        let zero = [R::ZERO; MOST_MODES];
+        let ([mut q, mut ql], [mut v, mut vl]) = ([zero; 2], [zero; 2]);
+        let ((q, ql), (v, vl)) = ((&mut q[..n], &mut ql[..n]), (&mut v[..n], &mut vl[..n]));
+        let exact = self.low.len() / n;
+        for m in (exact..self.high.len() / n).rev() {
+            let high = &self.high[m * n..][..n];
+            for j in 0..n {
+                v[j] = v[j].mul_add(t, q[j]);
+                q[j] = q[j].mul_add(t, high[j]);
+            }
+        }
+        for m in (0..exact).rev() {
+            let (high, low) = (&self.high[m * n..][..n], &self.low[m * n..][..n]);
+            for j in 0..n {
+                [v[j], vl[j]] = raised([v[j], vl[j]], t, [q[j], ql[j]]);
+                [q[j], ql[j]] = raised([q[j], ql[j]], t, [high[j], low[j]]);
+            }
+        }
+        let over = R::ONE / unit;
+        let mut modes = Modes::REST;
+        for j in 0..n {
+            modes.places[j] = DoubleDouble::new(q[j]).plus_parts(R::ZERO, ql[j]);
+            let rate = DoubleDouble::new(v[j]).plus_parts(R::ZERO, vl[j]);
+            modes.velocities[j] = scaled(rate, over);
+        }
+        modes
     }
 }
 
@@ -73,20 +164,19 @@ impl<R: Real> Series<R> {
         Self { first: [DoubleDouble::ZERO; EXACT], rest: [R::ZERO; ORDER + 1 - EXACT] };
 
     /// Sets a coefficient.
+    #[inline(always)]
     pub(super) fn set(&mut self, power: usize, value: DoubleDouble<R>) {
-        value.put(self, power);
+        if power < EXACT {
+            self.first[power] = value;
+        } else {
+            self.rest[power - EXACT] = value.value;
+        }
     }
 
-    /// Adds a series times a number, up to a power.
+    /// A coefficient, plain.
     #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self, factor: R, order: usize) {
-        for (sum, more) in self.first.iter_mut().zip(&other.first).take(order + 1) {
-            *sum = *sum + more.times(factor);
-        }
-        let rest = (order + 1).saturating_sub(EXACT);
-        for (sum, more) in self.rest.iter_mut().zip(&other.rest).take(rest) {
-            *sum = more.mul_add(factor, *sum);
-        }
+    pub(super) fn plain(&self, power: usize) -> R {
+        if power < EXACT { self.first[power].value } else { self.rest[power - EXACT] }
     }
 
     /// The K-th derivative with respect to t, K < 9.
@@ -104,9 +194,37 @@ impl<R: Real> Series<R> {
         sum
     }
 
+    /// The value at t, and its derivative with respect to t.
+    #[inline(always)]
+    pub(super) fn at(&self, t: R) -> [DoubleDouble<R>; 2] {
+        let (mut value, mut rate) = (R::ZERO, R::ZERO);
+        for m in (EXACT..=ORDER).rev() {
+            rate = rate.mul_add(t, value);
+            value = value.mul_add(t, self.rest[m - EXACT]);
+        }
+        let (mut value, mut rate) = ([value, R::ZERO], [rate, R::ZERO]);
+        for m in (0..EXACT).rev() {
+            rate = raised(rate, t, value);
+            value = raised(value, t, [self.first[m].value, self.first[m].rest]);
+        }
+        [value, rate].map(|[sum, rest]| DoubleDouble::new(sum).plus_parts(R::ZERO, rest))
+    }
+
+    /// The second and third derivatives with respect to t, in plain numbers.
+    #[inline(always)]
+    pub(super) fn bends(&self, t: R) -> [R; 2] {
+        let [mut second, mut third] = [R::ZERO; 2];
+        for m in (3..=ORDER).rev() {
+            let coefficient = self.plain(m);
+            second = second.mul_add(t, coefficient * ((m * (m - 1)) as f64));
+            third = third.mul_add(t, coefficient * ((m * (m - 1) * (m - 2)) as f64));
+        }
+        [second.mul_add(t, self.plain(2) * 2.0), third]
+    }
+
     /// The coefficients in plain numbers.
     pub(super) fn row(&self) -> Row<R> {
-        std::array::from_fn(|m| R::get(self, m))
+        std::array::from_fn(|m| self.plain(m))
     }
 }
 

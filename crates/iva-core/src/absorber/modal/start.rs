@@ -52,10 +52,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let n = self.own_modes();
         for (name, all) in [("displacement", &start.displacements), ("velocity", &start.velocities)]
         {
-            for (j, value) in all.iter().enumerate() {
+            let given = all.iter().enumerate().filter(|(_, value)| **value != 0.0);
+            for (j, value) in given {
                 let field = format!("start.modes[{j}].{name}");
                 range::size(&field, *value)?;
-                if j >= n && *value != 0.0 {
+                if j >= n {
                     let rule = format!("the structure has {n} modes");
                     return Err(Invalid::new(field, crate::error::number(*value), rule));
                 }
@@ -78,19 +79,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         self.positions(&mut places, |k| start.gaps[k].y);
         self.positions(&mut velocities, |k| start.gaps[k].w);
         let modes = Modes { places, velocities };
-        let zero = DoubleDouble::ZERO;
-        let side = R::ONE;
-        let far = DoubleDouble::new(R::ONE);
-        let free = Place { side, distance: far, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
-        let mut state = ModalState { modes, places: [free; N], phase, at_hand: 0 };
-        self.refresh(&mut state);
+        let mut state = ModalState { modes, places: [Place::FAR; N], phase, at_hand: 0 };
         for (k, GapPoint { y, w }) in start.gaps.into_iter().take(self.count).enumerate() {
             let [_, v] = modes.of_point(self.shape(k));
-            let shaken = state.places[k].shaken;
+            let shaken = self.shaken(&state, k);
             let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));
             let (side, distance) = self.masses[k].begun([y, w], leaning);
             let rate = DoubleDouble::new(-side * w);
-            state.places[k] = Place { side, distance, rate, stuck: false, shaken };
+            state.places[k] = Place { side, distance, rate, stuck: false, shaken: None };
         }
         state
     }

@@ -26,8 +26,9 @@ pub struct Place<R = f64> {
     pub(super) rate: DoubleDouble<R>,
     /// True if the mass is stuck to that wall.
     pub(super) stuck: bool,
-    /// The absolute acceleration A of the structure at the point of the mass, and its first three derivatives.
-    pub(super) shaken: [R; 4],
+    /// The absolute acceleration A of the structure at the point of the mass, and its first three derivatives, where
+    /// they are known already.
+    pub(super) shaken: Option<[R; 4]>,
 }
 
 /// The state of a structure with modes and of its masses between events.
@@ -50,6 +51,12 @@ impl<H: Host, const N: usize> Clone for ModalState<H, N> {
 impl<H: Host, const N: usize> Copy for ModalState<H, N> {}
 
 impl<H: Host, const N: usize> ModalState<H, N> {
+    /// The same state, after a change of what accelerates the structure.
+    pub(super) fn renewed(mut self) -> Self {
+        self.places.iter_mut().for_each(|place| place.shaken = None);
+        self
+    }
+
     /// qⱼ and q̇ⱼ.
     pub fn modes(&self) -> &Modes<H::Real> {
         &self.modes
@@ -81,6 +88,15 @@ impl<R: Real> Modes<R> {
 }
 
 impl<R: Real> Place<R> {
+    /// Far from its walls, over a structure at rest.
+    pub(super) const FAR: Self = Self {
+        side: R::ONE,
+        distance: DoubleDouble { value: R::ONE, rest: R::ZERO },
+        rate: DoubleDouble::ZERO,
+        stuck: false,
+        shaken: None,
+    };
+
     /// Gap displacement and gap velocity.
     pub(super) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {
         let d = mass.clearance;
@@ -98,18 +114,13 @@ impl<R: Real> Place<R> {
         Self { side, distance: across, rate: self.rate.negated(), ..*self }
     }
 
-    /// The place a short time later.
-    pub(super) fn moved(&self, time: R) -> Self {
+    /// The place a short time later, with this A.
+    pub(super) fn moved(&self, time: R, acceleration: R) -> Self {
         if self.stuck {
             return *self;
         }
         let distance = self.distance.plus(self.rate.value * time);
-        let gained = self.shaken[0] * time;
-        Self { distance, rate: self.rate.plus(self.side * gained), ..*self }
-    }
-
-    /// −s A: the pressure on its wall per unit mass, if it is stuck.
-    pub(super) fn pressure(&self) -> R {
-        -self.side * self.shaken[0]
+        let gained = acceleration * time;
+        Self { distance, rate: self.rate.plus(self.side * gained), shaken: None, ..*self }
     }
 }

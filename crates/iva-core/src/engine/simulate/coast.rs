@@ -6,6 +6,22 @@ use crate::engine::observe::{Observer, Span};
 use crate::number::real::Real;
 
 impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
+    /// Coasts before a flight, if flights at walls do so; the time that remains.
+    pub(super) fn coasted_first(&mut self, remaining: R) -> R {
+        if !S::LEAPS {
+            return remaining;
+        }
+        self.coast();
+        self.progress.remaining()
+    }
+
+    /// Coasts after a flight that met no wall, if the next does not do so by itself.
+    pub(super) fn coast_after(&mut self) {
+        if !S::LEAPS {
+            self.coast();
+        }
+    }
+
     /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
     /// from the first state.
     pub(super) fn coast(&mut self) {

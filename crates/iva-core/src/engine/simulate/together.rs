@@ -172,9 +172,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             self.strike_all();
             return true;
         }
+        let remaining = self.coasted_first(remaining);
+        let state = self.tally.state;
         let mut flight = system.flight(&state);
         let length = flight.reach().min(self.progress.ahead());
-        let reached = R::FAST_PATHS.then(|| flight.arrival(length));
+        let reached = R::FAST_PATHS.then(|| flight.ahead(length));
         let clears = |flight: &S::Flight<'_>| {
             reached.as_ref().is_some_and(|reached| flight.clears(length, reached))
         };
@@ -216,7 +218,10 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }
         }
         self.tally.undecided += undecided;
-        let arrived = reached.filter(|_| met.is_none()).unwrap_or_else(|| flight.arrival(end));
+        let arrived = match reached.as_ref().filter(|_| met.is_none()) {
+            Some(ahead) => flight.completed(end, ahead),
+            None => flight.arrival(end),
+        };
         let absorber = met.map_or(system.at_hand(&state), |(absorber, _)| absorber);
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
@@ -224,7 +229,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         match met {
             Some((_, Some(side))) => self.meet(side),
             Some((_, None)) => return self.release(&flight, end),
-            None => self.coast(),
+            None => self.coast_after(),
         }
         true
     }

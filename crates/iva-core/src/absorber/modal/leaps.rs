@@ -1,0 +1,375 @@
+//! Leaps: the motion of an undriven structure over lengths that are powers of two, of which everything but the state is known
+//! beforehand.
+//!
+//! While no mass is stuck, z = (q, q̇) moves by z(t + h) = Φ(h) z(t). Φ of the shortest length is the power series of
+//! `modal/equations.rs` from each unit vector, those of the others are its squares, all in double-double. Modes that exchange no energy have
+//! blocks of 2 × 2.
+//!
+//! **Proof that a leap meets no wall** ([`Modal::coasts`]). The distance of a mass to its wall is D = G + s φ·q, with G linear in t.
+//! From D and Ḋ at both ends and a bound on D⁗ follows whether it stays between the walls ([`stays_clear_by`]). The bound is that of the
+//! energy of the third derivative, which never grows: it holds for all leaps of a coast, and a fast mode that hardly moves does not
+//! shorten them. Where it proves nothing a leap of half the length is tried. A leap begins at a multiple of its length, so
+//! that a length that failed is not tried again at once.
+//!
+//! Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
+
+use super::series::EXACT;
+use super::state::{Modes, Place};
+use super::structure::Damping;
+use super::{MOST_MODES, Modal, ModalState};
+use crate::absorber::{Clock, Coasted};
+use crate::host::Host;
+use crate::number::compensated::{DoubleDouble, two_product, two_sum};
+use crate::number::real::Real;
+use crate::segment::contact::stays_clear_by;
+use crate::segment::taylor::ORDER;
+
+/// Longest leap, in units of 1/ω of the slowest mode.
+const LONGEST: f64 = 1.5;
+/// Largest number of lengths.
+const LEVELS: usize = 12;
+/// Largest number of coupled modes for which Φ is worth its price.
+const MOST_COUPLED: usize = 8;
+/// After so many leaps the event loop looks whether it is to stop.
+const MOST_LEAPS: usize = 4096;
+
+/// Φ of each length, the shortest first.
+#[derive(Debug, Clone)]
+pub(super) struct Leaps<R> {
+    shortest: R,
+    levels: Vec<Propagator<R>>,
+}
+
+/// Φ of one length, high and low parts: column by column, or, of separate modes, its four diagonals.
+#[derive(Debug, Clone)]
+struct Propagator<R> {
+    high: Vec<R>,
+    low: Vec<R>,
+}
+
+/// z: all q, then all q̇, in high and low parts.
+#[derive(Clone, Copy)]
+struct Flown<R> {
+    high: [R; 2 * MOST_MODES],
+    low: [R; 2 * MOST_MODES],
+}
+
+/// What the distance of a mass is, beside the motion of its point: G and its rate, and the sign of its wall.
+#[derive(Clone, Copy, Default)]
+struct Line<R> {
+    begin: R,
+    rate: R,
+    side: R,
+}
+
+impl<R: Real> Flown<R> {
+    fn of(modes: &Modes<R>, n: usize) -> Self {
+        let mut flown = Self { high: [R::ZERO; 2 * MOST_MODES], low: [R::ZERO; 2 * MOST_MODES] };
+        let both = modes.places[..n].iter().chain(&modes.velocities[..n]);
+        for ((high, low), part) in flown.high.iter_mut().zip(&mut flown.low).zip(both) {
+            (*high, *low) = (part.value, part.rest);
+        }
+        flown
+    }
+
+    fn modes(&self, n: usize) -> Modes<R> {
+        let mut modes = Modes::REST;
+        for j in 0..n {
+            modes.places[j] = DoubleDouble { value: self.high[j], rest: self.low[j] };
+            modes.velocities[j] = DoubleDouble { value: self.high[n + j], rest: self.low[n + j] };
+        }
+        modes
+    }
+}
+
+/// a x + b y in double-double.
+#[inline(always)]
+fn combined<R: Real>([a, x]: [[R; 2]; 2], [b, y]: [[R; 2]; 2]) -> [R; 2] {
+    let ((p, p_lost), (r, r_lost)) = (two_product(a[0], x[0]), two_product(b[0], y[0]));
+    let small =
+        (a[0].mul_add(x[1], a[1] * x[0]) + p_lost) + (b[0].mul_add(y[1], b[1] * y[0]) + r_lost);
+    let (sum, lost) = two_sum(p, r);
+    let rest = lost + small;
+    let value = sum + rest;
+    [value, rest - (value - sum)]
+}
+
+impl<R: Real> Propagator<R> {
+    /// Φ z of separate modes.
+    #[inline(always)]
+    fn turn(&self, n: usize, z: &Flown<R>, to: &mut Flown<R>) {
+        let of = |part: usize| (&self.high[part * n..][..n], &self.low[part * n..][..n]);
+        let ([a, b], [c, d]) = ([of(0), of(1)], [of(2), of(3)]);
+        let ((q, v), (ql, vl)) = (z.high[..2 * n].split_at(n), z.low[..2 * n].split_at(n));
+        let ((to_q, to_v), (to_ql, to_vl)) =
+            (to.high[..2 * n].split_at_mut(n), to.low[..2 * n].split_at_mut(n));
+        for j in 0..n {
+            let (q, v) = ([q[j], ql[j]], [v[j], vl[j]]);
+            let at = |part: (&[R], &[R])| [part.0[j], part.1[j]];
+            [to_q[j], to_ql[j]] = combined([at(a), q], [at(b), v]);
+            [to_v[j], to_vl[j]] = combined([at(c), q], [at(d), v]);
+        }
+    }
+
+    /// Φ z of coupled modes.
+    #[inline(always)]
+    fn product(&self, size: usize, z: &Flown<R>, to: &mut Flown<R>) {
+        let mut sum = Flown { high: [R::ZERO; 2 * MOST_MODES], low: [R::ZERO; 2 * MOST_MODES] };
+        let columns = self.high.chunks_exact(size).zip(self.low.chunks_exact(size));
+        for (j, (high, low)) in columns.enumerate() {
+            let [x, xl] = [z.high[j], z.low[j]];
+            let (sums, rests) = (&mut sum.high[..size], &mut sum.low[..size]);
+            for i in 0..size {
+                let (p, lost) = two_product(high[i], x);
+                let small = high[i].mul_add(xl, low[i] * x) + lost;
+                let (s, rest) = two_sum(sums[i], p);
+                (sums[i], rests[i]) = (s, rests[i] + (rest + small));
+            }
+        }
+        for i in 0..size {
+            let value = sum.high[i] + sum.low[i];
+            (to.high[i], to.low[i]) = (value, sum.low[i] - (value - sum.high[i]));
+        }
+    }
+
+    /// Φ(2h) from Φ(h).
+    fn squared(&self, n: usize, separate: bool) -> Self {
+        let mut square = self.clone();
+        let rest = [R::ZERO; 2 * MOST_MODES];
+        let (mut z, mut to) = (Flown { high: rest, low: rest }, Flown { high: rest, low: rest });
+        // The columns of Φ are states; of separate modes all first columns are one state, and all second ones.
+        let columns = if separate { 2 } else { 2 * n };
+        for column in 0..columns {
+            let place = |i: usize| match separate {
+                true => (2 * (i / n) + column) * n + i % n,
+                false => column * 2 * n + i,
+            };
+            for i in 0..2 * n {
+                (z.high[i], z.low[i]) = (self.high[place(i)], self.low[place(i)]);
+            }
+            self.apply(n, separate, &z, &mut to);
+            for i in 0..2 * n {
+                (square.high[place(i)], square.low[place(i)]) = (to.high[i], to.low[i]);
+            }
+        }
+        square
+    }
+
+    #[inline(always)]
+    fn apply(&self, n: usize, separate: bool, z: &Flown<R>, to: &mut Flown<R>) {
+        if separate { self.turn(n, z, to) } else { self.product(2 * n, z, to) }
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// Φ of all lengths; `None` where leaps are not worth their price.
+    fn leaps(&self) -> Option<&Leaps<R>> {
+        let n = self.whole.count();
+        if self.host.is_driven() || !(self.whole.is_separate() || n <= MOST_COUPLED) {
+            return None;
+        }
+        Some(self.leaps.get_or_init(|| self.all_leaps()))
+    }
+
+    fn all_leaps(&self) -> Leaps<R> {
+        let (n, separate) = (self.whole.count(), self.whole.is_separate());
+        let shortest = R::power_of_two(self.reach);
+        let stiffness = self.whole.stiffness.iter().map(|square| square.value);
+        let slowest = stiffness.filter(|square| *square > 0.0).fold(R::INFINITY, R::min).sqrt();
+        let longest = if slowest.is_finite() { R::from(LONGEST) / slowest } else { shortest };
+        let mut levels = vec![self.shortest_leap(shortest, separate)];
+        let mut length = shortest * 2.0;
+        while length <= longest && levels.len() < LEVELS {
+            let next = levels[levels.len() - 1].squared(n, separate);
+            levels.push(next);
+            length *= 2.0;
+        }
+        Leaps { shortest, levels }
+    }
+
+    /// Φ of one length from power series of the unit vectors.
+    fn shortest_leap(&self, length: R, separate: bool) -> Propagator<R> {
+        let n = self.whole.count();
+        let free = self.stuck_in(&[Place::FAR; N]);
+        let columns = if separate { 2 } else { 2 * n };
+        let size = columns * 2 * n;
+        let mut whole = Propagator { high: vec![R::ZERO; size], low: vec![R::ZERO; size] };
+        for column in 0..columns {
+            let mut modes = Modes::REST;
+            for j in 0..n {
+                let [q, v] = if separate {
+                    [column == 0, column == 1]
+                } else {
+                    [column == j, column == n + j]
+                };
+                let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
+                (modes.places[j], modes.velocities[j]) = (one(q), one(v));
+            }
+            let rows =
+                self.series(&modes, free, |_| [DoubleDouble::ZERO; 2], length, (ORDER, EXACT));
+            let ends = rows.modes(R::ONE, length);
+            for j in 0..n {
+                let (q, v) = (ends.places[j], ends.velocities[j]);
+                for (i, end) in [(j, q), (n + j, v)] {
+                    let at =
+                        if separate { (2 * (i / n) + column) * n + j } else { column * 2 * n + i };
+                    (whole.high[at], whole.low[at]) = (end.value, end.rest);
+                }
+            }
+        }
+        whole
+    }
+
+    /// The second derivatives of all modes while no mass is stuck, and their next two.
+    fn bent(&self, z: &Flown<R>) -> [[R; MOST_MODES]; 2] {
+        let n = self.whole.count();
+        let next = |low: &[R], high: &[R]| -> [R; MOST_MODES] {
+            let mut bent = [R::ZERO; MOST_MODES];
+            for (j, bent) in bent[..n].iter_mut().enumerate() {
+                let damped = match &self.whole.damping {
+                    Damping::Separate(rates) => rates[j].value * high[j],
+                    Damping::Full(matrix) => {
+                        let row = matrix[j * n..(j + 1) * n].iter().zip(high);
+                        row.fold(R::ZERO, |sum, (element, v)| element.mul_add(*v, sum))
+                    }
+                };
+                *bent = -self.whole.stiffness[j].value.mul_add(low[j], damped);
+            }
+            bent
+        };
+        let second = next(&z.high[..n], &z.high[n..2 * n]);
+        let third = next(&z.high[n..2 * n], &second);
+        [third, next(&second, &third)]
+    }
+
+    /// Distance and rate of a mass at an instant of a coast, and the size of the terms of the distance.
+    #[inline(always)]
+    fn seen_from(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R>) -> ([R; 2], R) {
+        let n = shape.len();
+        let (q, v) = z.high[..2 * n].split_at(n);
+        let [mut u, mut rate, mut size] = [R::ZERO; 3];
+        for j in 0..n {
+            let part = shape[j] * q[j];
+            u += part;
+            size += part.abs();
+            rate = shape[j].mul_add(v[j], rate);
+        }
+        let straight = line.rate.mul_add(time, line.begin);
+        (
+            [line.side.mul_add(u, straight), line.side.mul_add(rate, line.rate)],
+            size + straight.abs(),
+        )
+    }
+
+    /// How many of the shortest leaps are proved to meet no wall, and the state after them.
+    pub(super) fn leap(
+        &self,
+        state: &ModalState<H, N>,
+        remaining: R,
+    ) -> (usize, Coasted<ModalState<H, N>, R>) {
+        let none = (0, (*state, Clock::ZERO));
+        let stuck = state.places[..self.count].iter().any(|place| place.stuck);
+        let Some(leaps) = self.leaps().filter(|_| R::FAST_PATHS && !stuck) else { return none };
+        let (n, separate) = (self.whole.count(), self.whole.is_separate());
+        // Begin and end of a leap, in turns.
+        let mut flown = [Flown::of(&state.modes, n); 2];
+        let [mut z, mut to] = flown.each_mut();
+        let derivatives = self.bent(z);
+        let free = self.stuck_in(&state.places);
+        let mut lines = [Line::default(); N];
+        let (mut fourths, mut now) = ([R::ZERO; N], [([R::ZERO; 2], R::ZERO); N]);
+        for k in 0..self.count {
+            let (place, shape) = (&state.places[k], self.gap_shape(k));
+            let still = Line { side: place.side, ..Line::default() };
+            let ([u, rate], size) = self.seen_from(shape, &still, R::ZERO, z);
+            let [distance, speed] = [place.distance.value, place.rate.value];
+            lines[k] = Line { begin: distance - u, rate: speed - rate, ..still };
+            now[k] = ([distance, speed], size + distance.abs());
+            let of = |j: usize| [derivatives[0][j], derivatives[1][j]];
+            fourths[k] = self.bound(of, free, (shape, false), 3, R::ZERO);
+        }
+        let mut then = now;
+        let top = leaps.levels.len() - 1;
+        let (mut count, mut level) = (0_usize, top);
+        for _ in 0..MOST_LEAPS {
+            let found = loop {
+                let length = leaps.shortest * (1_u64 << level) as f64;
+                let end = leaps.shortest * (count + (1 << level)) as f64;
+                if end < remaining {
+                    leaps.levels[level].apply(n, separate, z, to);
+                    let clear = (0..self.count).all(|k| {
+                        then[k] = self.seen_from(self.gap_shape(k), &lines[k], end, to);
+                        let (ends, size) = ([now[k].0, then[k].0], R::larger(now[k].1, then[k].1));
+                        stays_clear_by(ends, self.masses[k].clearance, size, fourths[k], length)
+                    });
+                    if clear {
+                        break true;
+                    }
+                }
+                if level == 0 {
+                    break false;
+                }
+                level -= 1;
+            };
+            if !found {
+                break;
+            }
+            std::mem::swap(&mut z, &mut to);
+            now = then;
+            count += 1 << level;
+            level = top.min(count.trailing_zeros() as usize);
+        }
+        if count == 0 {
+            return none;
+        }
+        let time = leaps.shortest * count as f64;
+        (count, (self.landed(state, z, time), Clock::new(time)))
+    }
+
+    /// The state after some of the shortest leaps.
+    pub(super) fn leapt(
+        &self,
+        state: &ModalState<H, N>,
+        steps: usize,
+    ) -> Coasted<ModalState<H, N>, R> {
+        let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
+        let (n, separate) = (self.whole.count(), self.whole.is_separate());
+        let mut z = Flown::of(&state.modes, n);
+        let mut left = steps;
+        while left > 0 {
+            let level = (leaps.levels.len() - 1).min(left.ilog2() as usize);
+            let mut to = z;
+            leaps.levels[level].apply(n, separate, &z, &mut to);
+            z = to;
+            left -= 1 << level;
+        }
+        let time = leaps.shortest * steps as f64;
+        (self.landed(state, &z, time), Clock::new(time))
+    }
+
+    /// The state at a later instant of a flight in which no mass is stuck, with these modes.
+    fn landed(&self, from: &ModalState<H, N>, z: &Flown<R>, time: R) -> ModalState<H, N> {
+        let modes = z.modes(self.whole.count());
+        let mut state = ModalState { modes, ..*from };
+        for k in 0..self.count {
+            state.places[k] = self.place_after(from, k, &modes, time);
+        }
+        state
+    }
+
+    /// The place of a mass in flight at a later instant, at which the modes are these. The base is at rest.
+    pub(super) fn place_after(
+        &self,
+        from: &ModalState<H, N>,
+        k: usize,
+        modes: &Modes<R>,
+        time: R,
+    ) -> Place<R> {
+        let (place, shape) = (&from.places[k], self.gap_shape(k));
+        let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
+        let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
+        let curved = sided(u - (u0 + v0.times(time)));
+        let distance = place.distance + place.rate.times(time) + curved;
+        Place { distance, rate: place.rate + sided(v - v0), shaken: None, ..*place }
+    }
+}
