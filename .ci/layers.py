@@ -26,7 +26,7 @@ FORBIDDEN_CRATES = {
 # the driver knows no absorber; folders and studies print nothing and name no option of a front;
 # libraries do not end the process; one crate names pyo3.
 FRONT = r"\be?print(ln)?!|\bpyo3\b|--(out|overwrite|resume)\b|\b(overwrite|resume)=True"
-ABSORBERS = r"\b([sp]iva|[SP]iva|coupled|Coupled)\b"
+ABSORBERS = r"\b([sp]iva|[SP]iva|modal|Modal)\b"
 FORBIDDEN_WORDS = [
     ("crates/iva-core/src", r"\bstd::(fs|io|thread|time|env|process|net)\b|\bprintln!"),
     # The loop and the measures name no absorber, and a structure knows none on it.

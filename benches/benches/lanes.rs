@@ -12,13 +12,11 @@ use iva_benches::{
     upright_decays,
 };
 use iva_core::absorber::{Absorber, ImpactLaw, Wall};
-use iva_core::coupled::Coupled;
 use iva_core::force::Acts;
 use iva_core::measures::{Measures, Wanted};
 use iva_core::run::side_by_side::{self, Job, Listing, SideBySide};
 use iva_core::simulate::simulate;
 use iva_core::siva::Siva;
-use iva_tests::dashpot::Dashpot;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
@@ -42,20 +40,6 @@ fn lanes(criterion: &mut Criterion) {
     if let Ok(scenes) = decays_after_a_blow(5, 0.45) {
         compare(criterion, "free masses after a blow", &scenes);
     }
-    if let Ok(scenes) = scenes(5, 0.45) {
-        compare(criterion, "free masses with a dashpot in the gap", &damped(&scenes));
-    }
-}
-
-/// Decays with a dashpot in the gap.
-fn damped(scenes: &[Job<Siva>]) -> Vec<Job<Coupled<Dashpot>>> {
-    let damped = |Job { system, start, begin, limits, tier, .. }: &Job<Siva>| {
-        let [e, d] = [system.law_at(Wall::Plus, 0.0).rebound, system.clearance()];
-        let (mu, zeta) = (system.mass_ratio(), system.damping_ratio());
-        let system = Dashpot([mu, e, d, zeta, 0.02, 0.0]).mounted();
-        Job { system, start: *start, begin: *begin, limits: *limits, steady: None, tier: *tier }
-    };
-    scenes.iter().map(damped).collect()
 }
 
 /// Driven runs one by one, side by side with all measures, and side by side with counts of impacts only.

@@ -1,5 +1,4 @@
-//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
-//! mass with a spring and a dashpot in its gap; [`sliding`], a free mass with friction in its gap; [`several`], a list of
+//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`sliding`], a free mass with friction in its gap; [`several`], a list of
 //! free masses, each in a gap of its own; [`mixed`], a list of free masses and pendulums; [`modal`], free masses on a structure with
 //! several modes.
 //!
@@ -13,7 +12,6 @@
 //!   with the absorber stuck to its wall.
 
 pub mod chatter;
-pub mod coupled;
 pub mod derivatives;
 pub mod impact;
 mod impact_law;

@@ -2,10 +2,9 @@
 //!
 //! A run that is alone goes through the event loop ([`crate::engine::simulate`]) with the usual observers, or with all
 //! that a study can ask for ([`observed`]). Many runs go
-//! through the same event loop, and lanes take over their simple flights: those of free masses (`run/free_mass.rs`),
-//! of free masses with a spring and a dashpot in their gap (`run/coupled.rs`), and of pendulums (`run/piva.rs`). Which runs go in which lanes is said in `run/kinds.rs`.
+//! through the same event loop, and lanes take over their simple flights: those of free masses (`run/free_mass.rs`) and of
+//! pendulums (`run/piva.rs`). Which runs go in which lanes is said in `run/kinds.rs`.
 
-mod coupled;
 mod cycling;
 mod decays;
 mod estimated;

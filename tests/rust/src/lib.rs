@@ -6,7 +6,6 @@
 
 pub mod case;
 pub mod covered;
-pub mod dashpot;
 pub mod dd;
 pub mod driven;
 pub mod flight;

@@ -7,7 +7,6 @@ use nalgebra::{Matrix4, Vector4};
 
 use crate::absorber::{Absorber, LawAt, Wall};
 
-mod coupled;
 pub(crate) mod lists;
 pub(crate) mod masses;
 pub(crate) mod piva;

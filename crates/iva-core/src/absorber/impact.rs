@@ -4,9 +4,8 @@
 //! This file holds the formulas. The event loop asks each absorber for its law by the trait
 //! [`ImpactLaw`](crate::absorber::ImpactLaw). The law of a free mass at one wall, with the energy lost, is `Law` in
 //! `absorber/siva/impact_law.rs`, which also has the trait. It is applied by `collided` (`absorber/siva/state.rs`) in
-//! double-double, by `struck` in `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in
-//! `absorber/coupled/trial.rs` for coupled masses; the energy that it takes by `commit` in `run/free_mass/round.rs` and the record of
-//! an impact by `run/free_mass/listing.rs`, both for lanes. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in
+//! double-double, and by `struck` in `absorber/plain/mass.rs` in the fast tier; the energy that it takes by `commit` in
+//! `run/free_mass/round.rs` and the record of an impact by `run/free_mass/listing.rs`, both for lanes. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in
 //! `absorber/piva/contact.rs`. Sticks are impacts with e = 0, in `stick` of the same files. The derivatives are in
 //! `absorber/derivatives`.
 //!

@@ -1,6 +1,5 @@
 //! In which way the errors of the runs of each absorber are estimated.
 
-use crate::absorber::coupled::{Coupled, Coupling};
 use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
@@ -19,10 +18,6 @@ impl<H: Host<Real = f64>> Estimated for Piva<H> {
 }
 
 impl<H: Host<Real = f64>> Estimated for Alone<H> {
-    type Way = ByTangents;
-}
-
-impl<C: Coupling<Real = f64>> Estimated for Coupled<C> {
     type Way = ByTangents;
 }
 

@@ -70,7 +70,6 @@ mod stress;
 mod stress_inputs;
 mod sweep_tables;
 mod theory;
-mod third_absorber;
 mod torsional_spring;
 mod two_modes;
 mod unlike_walls;
