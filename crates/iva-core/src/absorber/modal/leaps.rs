@@ -62,6 +62,22 @@ struct Line<R> {
     side: R,
 }
 
+/// A mass at one instant: distance and rate, and the sizes of the terms that each of them is the sum of.
+#[derive(Clone, Copy, Default)]
+struct Sight<R> {
+    distance: [R; 2],
+    sizes: [R; 2],
+}
+
+impl<R: Real> Sight<R> {
+    /// The size of what a leap of this length from here to there is judged by.
+    #[inline(always)]
+    fn size(&self, to: &Self, length: R) -> R {
+        let larger = |i: usize| R::larger(self.sizes[i], to.sizes[i]);
+        length.mul_add(larger(1), larger(0))
+    }
+}
+
 impl<R: Real> Flown<R> {
     fn of(modes: &Modes<R>, n: usize) -> Self {
         let mut flown = Self { high: [R::ZERO; 2 * MOST_MODES], low: [R::ZERO; 2 * MOST_MODES] };
@@ -242,23 +258,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         [third, next(&second, &third)]
     }
 
-    /// Distance and rate of a mass at an instant of a coast, and the size of the terms of the distance.
+    /// A mass at an instant of a coast.
     #[inline(always)]
-    fn seen_from(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R>) -> ([R; 2], R) {
+    fn sight(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R>) -> Sight<R> {
         let n = shape.len();
         let (q, v) = z.high[..2 * n].split_at(n);
-        let [mut u, mut rate, mut size] = [R::ZERO; 3];
+        let [mut sums, mut sizes] = [[R::ZERO; 2]; 2];
         for j in 0..n {
-            let part = shape[j] * q[j];
-            u += part;
-            size += part.abs();
-            rate = shape[j].mul_add(v[j], rate);
+            for (i, part) in [shape[j] * q[j], shape[j] * v[j]].into_iter().enumerate() {
+                sums[i] += part;
+                sizes[i] += part.abs();
+            }
         }
-        let straight = line.rate.mul_add(time, line.begin);
-        (
-            [line.side.mul_add(u, straight), line.side.mul_add(rate, line.rate)],
-            size + straight.abs(),
-        )
+        let straight = [line.rate.mul_add(time, line.begin), line.rate];
+        let along = |i: usize| line.side.mul_add(sums[i], straight[i]);
+        let size = |i: usize| sizes[i] + straight[i].abs();
+        Sight { distance: [along(0), along(1)], sizes: [size(0), size(1)] }
     }
 
     /// How many of the shortest leaps are proved to meet no wall, and the state after them.
@@ -276,15 +291,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let [mut z, mut to] = flown.each_mut();
         let derivatives = self.bent(z);
         let free = self.stuck_in(&state.places);
-        let mut lines = [Line::default(); N];
-        let (mut fourths, mut now) = ([R::ZERO; N], [([R::ZERO; 2], R::ZERO); N]);
+        let (mut lines, mut fourths) = ([Line::default(); N], [R::ZERO; N]);
+        let mut now = [Sight::default(); N];
         for k in 0..self.count {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
             let still = Line { side: place.side, ..Line::default() };
-            let ([u, rate], size) = self.seen_from(shape, &still, R::ZERO, z);
-            let [distance, speed] = [place.distance.value, place.rate.value];
-            lines[k] = Line { begin: distance - u, rate: speed - rate, ..still };
-            now[k] = ([distance, speed], size + distance.abs());
+            let Sight { distance: [u, rate], sizes } = self.sight(shape, &still, R::ZERO, z);
+            let distance = [place.distance.value, place.rate.value];
+            lines[k] = Line { begin: distance[0] - u, rate: distance[1] - rate, ..still };
+            now[k] = Sight { distance, sizes };
             let of = |j: usize| [derivatives[0][j], derivatives[1][j]];
             fourths[k] = self.bound(of, free, (shape, false), 3, R::ZERO);
         }
@@ -298,9 +313,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 if end < remaining {
                     leaps.levels[level].apply(n, separate, z, to);
                     let clear = (0..self.count).all(|k| {
-                        then[k] = self.seen_from(self.gap_shape(k), &lines[k], end, to);
-                        let (ends, size) = ([now[k].0, then[k].0], R::larger(now[k].1, then[k].1));
-                        stays_clear_by(ends, self.masses[k].clearance, size, fourths[k], length)
+                        then[k] = self.sight(self.gap_shape(k), &lines[k], end, to);
+                        let ends = [now[k].distance, then[k].distance];
+                        let clearance = self.masses[k].clearance;
+                        let size = clearance + now[k].size(&then[k], length);
+                        stays_clear_by(ends, clearance, size, fourths[k], length)
                     });
                     if clear {
                         break true;

@@ -349,9 +349,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
         let mut size = self.magnitude();
         for (j, phi) in self.system.gap_shape(k).iter().enumerate() {
-            let moved = self.from.modes.velocities[j].value.abs() * length;
-            let sizes = [&self.from, end].map(|state| state.modes.places[j].value.abs());
-            size += phi.abs() * (sizes[0] + sizes[1] + moved);
+            let of = |Modes { places, velocities }: &Modes<R>| {
+                velocities[j].value.abs().mul_add(length, places[j].value.abs())
+            };
+            size += phi.abs() * (of(&self.from.modes) + of(&end.modes));
         }
         stays_clear_by(ends, self.magnitude(), size, self.fourth(), length)
     }
