@@ -22,8 +22,9 @@
 //! **Motion** (`modal/equations.rs`). Between events the equations are linear, so that the Taylor coefficients of all q
 //! follow one from the other, whatever D and S are. The energy norm of (ωq, q̇) never grows without drive, and each
 //! time derivative obeys the same equations: the n-th is bounded by Λⁿ, Λ = ‖D‖/2 + √(‖D‖²/4 + max ω²). A motion is
-//! no longer than 0.8/Λ, so that the terms left out are below 0.8²¹/21! = 2 · 10⁻²² of the size of the motion. The
-//! terms that matter to rounding are in double-double. A structure with very fast modes takes many short motions.
+//! no longer than 1/Λ, so that the terms left out are below 1/21! = 2 · 10⁻²⁰ of the size of the motion. The
+//! terms that matter to rounding are in double-double. A structure with very fast modes takes many short motions, but
+//! where it is undriven and no wall is near.
 //!
 //! **Bounds** that the search for contacts needs are those of the energies of derivatives: for separate modes
 //! Σ |φⱼ| √((qⱼ⁽ⁿ⁺¹⁾)² + ωⱼ²(qⱼ⁽ⁿ⁾)²) bounds the derivative n + 1 of u from an instant on; where modes exchange energy

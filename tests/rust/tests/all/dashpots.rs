@@ -5,7 +5,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
-    absorber::Start,
     absorber::modal::{Modal, ModalStart, ModalStructure},
     flight::GapPoint,
     force::Acts,

@@ -22,7 +22,7 @@ use crate::number::real::Real;
 use crate::segment::taylor::Number;
 
 /// The longest motion in units of 1/Λ.
-pub(super) const LONGEST: f64 = 0.8;
+pub(super) const LONGEST: f64 = 1.0;
 
 /// Bounds are widened by this factor for their own rounding, and for eigenvalues of the damping that are negative by
 /// rounding.

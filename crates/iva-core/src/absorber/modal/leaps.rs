@@ -1,5 +1,5 @@
-//! Leaps: the motion of an undriven structure over lengths that are powers of two, of which everything but the state is known
-//! beforehand.
+//! Leaps: the motion of an undriven structure over lengths each of which is twice the one before, of which everything but the
+//! state is known beforehand.
 //!
 //! While no mass is stuck, z = (q, q̇) moves by z(t + h) = Φ(h) z(t). Φ of the shortest length is the power series of
 //! `modal/equations.rs` from each unit vector, those of the others are its squares, all in double-double. Modes that exchange no energy have
@@ -75,6 +75,13 @@ impl<R: Real> Sight<R> {
     fn size(&self, to: &Self, length: R) -> R {
         let larger = |i: usize| R::larger(self.sizes[i], to.sizes[i]);
         length.mul_add(larger(1), larger(0))
+    }
+}
+
+impl<R: Real> Leaps<R> {
+    /// The time that some of the shortest leaps take.
+    fn time(&self, steps: usize) -> Clock<R> {
+        DoubleDouble::new(self.shortest).times(steps as f64)
     }
 }
 
@@ -189,7 +196,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     fn all_leaps(&self) -> Leaps<R> {
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
-        let shortest = R::power_of_two(self.reach);
+        let shortest = self.reach;
         let stiffness = self.whole.stiffness.iter().map(|square| square.value);
         let slowest = stiffness.filter(|square| *square > 0.0).fold(R::INFINITY, R::min).sqrt();
         let longest = if slowest.is_finite() { R::from(LONGEST) / slowest } else { shortest };
@@ -207,6 +214,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn shortest_leap(&self, length: R, separate: bool) -> Propagator<R> {
         let n = self.whole.count();
         let free = self.stuck_in(&[Place::FAR; N]);
+        let unit = R::power_of_two(length);
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
         let mut whole = Propagator { high: vec![R::ZERO; size], low: vec![R::ZERO; size] };
@@ -221,9 +229,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
                 (modes.places[j], modes.velocities[j]) = (one(q), one(v));
             }
-            let rows =
-                self.series(&modes, free, |_| [DoubleDouble::ZERO; 2], length, (ORDER, EXACT));
-            let ends = rows.modes(R::ONE, length);
+            let still = |_| [DoubleDouble::ZERO; 2];
+            let rows = self.series(&modes, free, still, unit, (ORDER, EXACT));
+            let ends = rows.modes(length / unit, unit);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
                 for (i, end) in [(j, q), (n + j, v)] {
@@ -339,8 +347,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         if count == 0 {
             return none;
         }
-        let time = leaps.shortest * count as f64;
-        (count, (self.landed(state, z, time), Clock::new(time)))
+        let time = leaps.time(count);
+        (count, (self.landed(state, z, time), time))
     }
 
     /// The state after some of the shortest leaps.
@@ -351,21 +359,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     ) -> Coasted<ModalState<H, N>, R> {
         let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
-        let mut z = Flown::of(&state.modes, n);
+        let mut flown = [Flown::of(&state.modes, n); 2];
+        let [mut z, mut to] = flown.each_mut();
         let mut left = steps;
         while left > 0 {
             let level = (leaps.levels.len() - 1).min(left.ilog2() as usize);
-            let mut to = z;
-            leaps.levels[level].apply(n, separate, &z, &mut to);
-            z = to;
+            leaps.levels[level].apply(n, separate, z, to);
+            std::mem::swap(&mut z, &mut to);
             left -= 1 << level;
         }
-        let time = leaps.shortest * steps as f64;
-        (self.landed(state, &z, time), Clock::new(time))
+        let time = leaps.time(steps);
+        (self.landed(state, z, time), time)
     }
 
     /// The state at a later instant of a flight in which no mass is stuck, with these modes.
-    fn landed(&self, from: &ModalState<H, N>, z: &Flown<R>, time: R) -> ModalState<H, N> {
+    fn landed(&self, from: &ModalState<H, N>, z: &Flown<R>, time: Clock<R>) -> ModalState<H, N> {
         let modes = z.modes(self.whole.count());
         let mut state = ModalState { modes, ..*from };
         for k in 0..self.count {
@@ -380,13 +388,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         from: &ModalState<H, N>,
         k: usize,
         modes: &Modes<R>,
-        time: R,
+        time: Clock<R>,
     ) -> Place<R> {
         let (place, shape) = (&from.places[k], self.gap_shape(k));
         let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
         let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
-        let curved = sided(u - (u0 + v0.times(time)));
-        let distance = place.distance + place.rate.times(time) + curved;
+        let curved = sided(u - (u0 + v0 * time));
+        let distance = place.distance + place.rate * time + curved;
         Place { distance, rate: place.rate + sided(v - v0), shaken: None, ..*place }
     }
 }

@@ -7,7 +7,7 @@ use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Modal, ModalState, wall_of};
-use crate::absorber::{OnStructure, Wall};
+use crate::absorber::{Clock, OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -168,8 +168,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         for (k, place) in places[..system.count].iter_mut().enumerate() {
             let known = self.expansion().curved[k].get().is_some();
             let follows = known || place.stuck || system.host.moves_base();
-            *place =
-                if follows { self.place(k, h) } else { system.place_after(from, k, &modes, h) };
+            *place = if follows {
+                self.place(k, h)
+            } else {
+                system.place_after(from, k, &modes, Clock::new(h))
+            };
         }
         let free = system.host.free();
         let phase = free.renewed(&free.within(&from.phase, h));

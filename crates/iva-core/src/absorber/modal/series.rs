@@ -6,7 +6,7 @@ use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
 use crate::segment::taylor::{Number, ORDER, Row};
 
-/// Number of leading coefficients in double-double. In the longest motion the next term is below 0.8⁷/7! = 4 · 10⁻⁵ of
+/// Number of leading coefficients in double-double. In the longest motion the next term is below 1/7! = 2 · 10⁻⁴ of
 /// the whole, so that its rounding is nothing.
 pub(super) const EXACT: usize = 7;
 

@@ -4,7 +4,7 @@ use super::{MOST, MOST_MODES};
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
 use crate::host::{Host, Phase};
-use crate::number::compensated::DoubleDouble;
+use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
 use crate::segment::flight::GapPoint;
 
@@ -72,11 +72,16 @@ impl<R: Real> Modes<R> {
 
     /// Displacement and velocity of a point of this shape.
     pub(super) fn of_point(&self, shape: &[R]) -> [DoubleDouble<R>; 2] {
-        let (mut place, mut velocity) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
+        // Normalised at the end only, so that a term waits for one addition of that before.
+        let mut sums = [[R::ZERO; 2]; 2];
         for ((q, v), phi) in self.places.iter().zip(&self.velocities).zip(shape) {
-            (place, velocity) = (place + q.times(*phi), velocity + v.times(*phi));
+            for ([sum, rest], part) in sums.iter_mut().zip([q, v]) {
+                let (product, lost) = two_product(*phi, part.value);
+                let (more, left) = two_sum(*sum, product);
+                (*sum, *rest) = (more, *rest + (left + phi.mul_add(part.rest, lost)));
+            }
         }
-        [place, velocity]
+        sums.map(|[sum, rest]| DoubleDouble::new(sum).plus_parts(R::ZERO, rest))
     }
 
     /// The modes after an impulse on the point of this shape.
