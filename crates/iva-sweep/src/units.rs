@@ -16,10 +16,10 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 pub enum UnitSystem {
     /// Mass and stiffness (or frequency) are given: kg, N/m, N s/m, m, s, J.
     Si,
-    /// Only a natural frequency is given: seconds; lengths in the unit of the displacement;
+    /// Only a natural frequency is given: seconds; lengths in the unit of clearance and displacement;
     /// energies per unit primary mass.
     Seconds,
-    /// Neither is given: ωn = 1, time in 1/ωn; lengths in the unit of the displacement; energies
+    /// Neither is given: ωn = 1, time in 1/ωn; lengths in the unit of clearance and displacement; energies
     /// per unit primary mass.
     Natural,
 }
@@ -72,10 +72,10 @@ impl UnitSystem {
         match self {
             Self::Si => "SI units: kg, N/m, N s/m, m, s, J",
             Self::Seconds => {
-                "time in s, lengths in the unit of the displacement, energies per unit primary mass"
+                "time in s, lengths in the unit of clearance and displacement, energies per unit primary mass"
             }
             Self::Natural => {
-                "ωn = 1: time in 1/ωn, lengths in the unit of the displacement, energies per unit primary mass"
+                "ωn = 1: time in 1/ωn, lengths in the unit of clearance and displacement, energies per unit primary mass"
             }
         }
     }
