@@ -97,7 +97,7 @@ def masri_caughey(absorber: Siva, primary: Primary, force: Harmonic) -> MasriCau
     Parameters
     ----------
     absorber : Siva
-        A free mass; its clearance not relative to a start.
+        A free mass; its clearance not relative to a start. An offset of its gap moves the starts.
     primary : Primary
         The primary system, with a damping ratio up to 100.
     force : Harmonic

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from dataclasses import replace
 
 import pytest
 
@@ -100,6 +101,39 @@ def test_the_slow_manifold() -> None:
         manifold.amplitude(math.nan)
 
 
+def test_an_offset_of_the_gap_moves_the_origin_of_y_only() -> None:
+    # y counts from another point: the start is at y + offset, and nothing else is another.
+    moved = replace(SIVA, gap_offset=0.75)
+    found, same = (theory.masri_caughey(siva, PRIMARY, FORCE) for siva in (moved, SIVA))
+    assert found.orbits[1] is same.orbits[1] is None
+    orbit, other = found.stable, same.stable
+    assert orbit is not None
+    assert other is not None
+    place = other.start.gap_displacement
+    assert isinstance(place, float)
+    start = replace(other.start, gap_displacement=0.75 + place)
+    assert orbit == replace(other, start=start)
+    run, plain = (
+        iva.simulate(siva, PRIMARY, start=one.start, force=FORCE, cycles=30)
+        for siva, one in ((moved, orbit), (SIVA, other))
+    )
+    assert run.summary["regime"].item() == "2:1"
+    times, expected = (one.impacts["time"].to_list() for one in (run, plain))
+    assert times == pytest.approx(expected, rel=1e-12)
+    between = [10.1, 33.3, 150.0]
+    y, from_middle = (one.at(between)["gap_displacement"] for one in (run, plain))
+    assert (y - from_middle).to_list() == pytest.approx([0.75] * 3, rel=1e-11)
+    in_mm = theory.masri_caughey(
+        iva.Siva(mass_ratio=0.05, restitution=0.8, clearance=2.0, gap_offset_mm=-1500.0),
+        iva.Primary(mass=3.0, natural_frequency=7.0, damping_ratio=0.02),
+        iva.Harmonic(force=3.0 * 49.0 * 0.1, relative_frequency=1.0),
+    ).stable
+    assert in_mm is not None
+    assert in_mm.start.gap_displacement == pytest.approx(place - 1.5, rel=1e-13)
+    manifold, centred = (theory.slow_manifold(siva) for siva in (moved, SIVA))
+    assert replace(manifold, scene=centred.scene) == centred
+
+
 def test_what_cannot_be_answered() -> None:
     piva = iva.Piva(mass_ratio=0.1, restitution=0.6, clearance=1.0, frequency_ratio=0.4, length=4)
     with pytest.raises(TypeError, match=r"give an iva\.Siva"):
@@ -114,6 +148,11 @@ def test_what_cannot_be_answered() -> None:
     )
     with pytest.raises(ValueError, match=r"inclination_deg = 30: the theory is of a level motion"):
         iva.theory.slow_manifold(rising)
+    unlike = replace(SIVA, restitution_minus=0.5)
+    with pytest.raises(
+        ValueError, match=r"restitution_minus = 0\.5: the theory is of one mass between two walls"
+    ):
+        theory.masri_caughey(unlike, PRIMARY, FORCE)
     with pytest.raises(ValueError, match="use clearance instead"):
         theory.slow_manifold(relative)
     with pytest.raises(ValueError, match="damping"):

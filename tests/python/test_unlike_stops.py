@@ -104,11 +104,6 @@ def test_a_start_outside_the_gap_is_blamed_on_the_offset() -> None:
     far = iva.Start(displacement=1.0, gap_displacement=1.5)
     with pytest.raises(ValueError, match=r"start.gap_displacement = 1.5: .* from 0.25 to 1.25"):
         iva.simulate(siva, PRIMARY, start=far, periods=1)
-    force = iva.Harmonic(amplitude=0.1, frequency=1.0)
-    with pytest.raises(
-        ValueError, match=r"gap_offset = 0.75: the theory is of one mass between two walls alike"
-    ):
-        iva.theory.masri_caughey(siva, iva.Primary(damping_ratio=0.02), force)
 
 
 def linear_stop(restitution: float) -> float:

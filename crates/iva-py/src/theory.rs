@@ -1,7 +1,6 @@
 //! Theory of steady motion for Python, in the user's units: two impacts a cycle, slow manifold.
 
-use iva_sweep::theory::{self as engine, Orbit};
-use iva_sweep::units::Scale;
+use iva_sweep::theory::{self as engine, Answer, MasriCaughey, Orbit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -19,9 +18,10 @@ pub fn masri_caughey<'py>(
     let found = PyDict::new(py);
     found.set_item("amplitude_without_absorber", answer.theory.amplitude_without_absorber)?;
     found.set_item("largest_clearance", answer.theory.largest_clearance)?;
-    let orbits = answer.theory.branches.map(|branch| {
-        branch.map(|found| orbit(py, &found, answer.phase, &answer.scale)).transpose()
-    });
+    let orbits = answer
+        .theory
+        .branches
+        .map(|branch| branch.map(|found| orbit(py, &found, &answer)).transpose());
     let [one, other] = orbits;
     found.set_item("orbits", (one?, other?))?;
     Ok(found)
@@ -30,8 +30,7 @@ pub fn masri_caughey<'py>(
 fn orbit<'py>(
     py: Python<'py>,
     orbit: &Orbit,
-    phase: f64,
-    scale: &Scale,
+    Answer { scale, phase, middle, .. }: &Answer<MasriCaughey>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     for (name, velocity) in [
@@ -48,11 +47,11 @@ fn orbit<'py>(
     found.set_item("admissible", orbit.admissible)?;
     found.set_item("stable", orbit.stable)?;
     found.set_item("multipliers", orbit.multipliers.map(|it| (it.re, it.im)))?;
-    let start = orbit.at_phase(phase);
+    let start = orbit.at_phase(*phase);
     let state = [
         start.displacement,
         scale.velocity(start.velocity),
-        start.gap_displacement,
+        middle + start.gap_displacement,
         scale.velocity(start.gap_velocity),
     ];
     found.set_item("start", state)?;

@@ -21,12 +21,15 @@ pub struct Answer<T> {
     pub scale: Scale,
     /// Phase of the force as given, in rad.
     pub phase: f64,
+    /// Gap displacement of the middle of the gap, from which the theory counts.
+    pub middle: f64,
 }
 
 /// What is to be told of what the theory does not have.
-const ALIKE: &str = "the theory is of one mass between two walls alike, in the middle, with one restitution; leave it out";
+const ALIKE: &str =
+    "the theory is of one mass between two walls alike, with one restitution; leave it out";
 
-fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
+fn common(spec: &Spec) -> Result<(Common, Scale, f64), Invalid> {
     if spec.choices().kind != Kind::Siva {
         return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(&[Kind::Siva])));
     }
@@ -49,17 +52,17 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     }
     let same = spec.get(FieldId::Restitution);
     let other = spec.get(FieldId::RestitutionMinus).filter(|e| Some(*e) != same);
-    let offset = |field| spec.get(field).filter(|offset| *offset != 0.0);
     let asymmetric = [
         (FieldId::ReferenceSpeed, spec.get(FieldId::ReferenceSpeed)),
         (FieldId::YieldSpeed, spec.get(FieldId::YieldSpeed)),
         (FieldId::Units, spec.get(FieldId::Units).filter(|units| *units != 1.0)),
         (FieldId::RestitutionMinus, other),
-        (FieldId::GapOffset, offset(FieldId::GapOffset)),
-        (FieldId::GapOffsetMm, offset(FieldId::GapOffsetMm)),
     ];
     match asymmetric.into_iter().find_map(|(field, value)| Some((field, value?))) {
-        None => Ok((common, scale)),
+        None => {
+            let middle = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
+            Ok((common, scale, middle.unwrap_or(0.0)))
+        }
         Some((field, value)) => Err(Invalid::new(field.path(), number(value), ALIKE)),
     }
 }
@@ -69,7 +72,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
 /// # Errors
 /// [`Invalid`] if something is missing, or the theory does not apply.
 pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
-    let (common, scale) = common(spec)?;
+    let (common, scale, middle) = common(spec)?;
     let sum = forces::force(&Given::new(spec), &scale, spec.units()?)?;
     let harmonic = sum.harmonics().first().copied().filter(|_| sum.is_single());
     let force = harmonic.ok_or_else(|| {
@@ -77,7 +80,7 @@ pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
     })?;
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
     let scene = SymmetricScene { mass_ratio, restitution, clearance, damping_ratio, force };
-    Ok(Answer { theory: symmetric(&scene)?, scale, phase: force.phase })
+    Ok(Answer { theory: symmetric(&scene)?, scale, phase: force.phase, middle })
 }
 
 /// The slow invariant manifold of the absorber of a spec.
@@ -85,7 +88,7 @@ pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
 /// # Errors
 /// [`Invalid`] if something is missing or out of range.
 pub fn slow_manifold(spec: &Spec) -> Result<Answer<SlowManifold>, Invalid> {
-    let (common, scale) = common(spec)?;
+    let (common, scale, middle) = common(spec)?;
     let theory = manifold(common.mass_ratio, common.restitution, common.clearance)?;
-    Ok(Answer { theory, scale, phase: 0.0 })
+    Ok(Answer { theory, scale, phase: 0.0, middle })
 }

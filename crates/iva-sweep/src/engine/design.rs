@@ -396,7 +396,7 @@ impl<R: Real> Given<'_, R> {
         )
     }
 
-    pub(super) fn length(
+    pub(crate) fn length(
         &self,
         plain: FieldId,
         millimetres: FieldId,
