@@ -329,3 +329,45 @@ def test_a_late_sensitivity_leaves_what_is_decided_before() -> None:
     quotient = (high - low) / (2 * step)
     assert summary["damping_ratio_3"].item() == pytest.approx(quotient, rel=1e-6)
     assert summary["residual_amplitude"].item() is None
+
+
+def test_a_fit_that_is_over_does_not_depend_on_what_follows() -> None:
+    # It ends with the first peak below 5 % of the start, and is the same in a run that ends soon
+    # after that, before the motion becomes sensitive.
+    def run(gap: float, duration: float, damping: float = 12.0, **more: Any) -> iva.Run:
+        siva = iva.Siva(mass=0.25, gap_mm=gap, restitution=0.7)
+        primary = iva.Primary(mass=3.0, stiffness=12e3, damping=damping)
+        start = iva.Start(displacement_mm=4.0)
+        return iva.simulate(siva, primary, start=start, duration=duration, **more)
+
+    long, short = (run(0.1, end, gradients=("gap_mm",)) for end in (8.0, 3.0))
+    summary, before = (one.gradients["gap_mm"].summary for one in (long, short))
+    peaks = run(0.1, 8.0, tables=("envelope",)).envelope
+    end = peaks.filter(pl.col("amplitude") < 0.05 * 4e-3)["time"][0]
+    assert end < 3.0 < summary["sensitive_from"].item() < 8.0
+    assert before["sensitive_from"].item() is None
+    assert summary["damping_ratio_fit"].item() == before["damping_ratio_fit"].item() is not None
+    step = 1e-8
+    low, high = (run(0.1 + way, 3.0).summary["damping_ratio_fit"].item() for way in (-step, step))
+    quotient = (high - low) / (2 * step)
+    assert summary["damping_ratio_fit"].item() == pytest.approx(quotient, rel=1e-3)
+    # Where a peak of the fit comes later, its derivative is not known.
+    late = run(0.3, 8.0, damping=6.0, gradients=("gap_mm",)).gradients["gap_mm"].summary
+    peaks = run(0.3, 8.0, damping=6.0, tables=("envelope",)).envelope
+    end = peaks.filter(pl.col("amplitude") < 0.05 * 4e-3)["time"][0]
+    assert late["sensitive_from"].item() < end
+    assert late["damping_ratio_fit"].item() is None
+
+
+def test_a_fit_of_a_start_from_rest_refers_to_its_first_peak() -> None:
+    # With x(0) = 0 it ends at 5 % of the first peak, which later runs do not change.
+    def run(gap: float, duration: float) -> iva.Run:
+        siva = iva.Siva(mass=0.25, gap_mm=gap, restitution=0.7)
+        primary = iva.Primary(mass=3.0, stiffness=12e3, damping=12.0)
+        start = iva.Start(velocity=0.25)
+        return iva.simulate(siva, primary, start=start, duration=duration, gradients=("gap_mm",))
+
+    long, short = (run(0.1, end).gradients["gap_mm"].summary for end in (8.0, 3.0))
+    assert long["sensitive_from"].item() < 8.0
+    assert short["sensitive_from"].item() is None
+    assert long["damping_ratio_fit"].item() == short["damping_ratio_fit"].item() is not None

@@ -14,6 +14,7 @@ use crate::number::real::Real;
 use crate::segment::flight::Motion;
 
 pub(crate) use decay::{Sinusoids, Stretch, Stretches, height, in_motion, keeps, looks};
+pub use fit::FIT_FLOOR;
 pub(crate) use fit::Fit;
 pub(crate) use ledger::Ledger;
 

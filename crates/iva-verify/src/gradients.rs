@@ -17,6 +17,7 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::Invalid;
+use iva_core::measures::FIT_FLOOR;
 use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
 use iva_sweep::choices::Kind;
@@ -120,6 +121,8 @@ struct Differentiated {
     until: Option<f64>,
     /// A period 2π/ωn, in the user's unit.
     period: f64,
+    /// |x| at the begin of the run.
+    begun_at: f64,
 }
 
 /// A run in a difference quotient.
@@ -152,7 +155,8 @@ impl Differentiated {
         let (beside, parted) = quotient(study, spec, (slot, size), (&found, sensitive), cancel)?;
         let until = parted.into_iter().chain(sensitive).reduce(f64::min);
         let period = plain.scale.time(std::f64::consts::TAU);
-        Ok(Self { rows: found, closeness, beside, size, until, period })
+        let begun_at = plain.scene.primary().x.abs();
+        Ok(Self { rows: found, closeness, beside, size, until, period, begun_at })
     }
 
     /// The rows of a table with derivatives in place of numbers.
@@ -235,11 +239,24 @@ impl Differentiated {
             (Table::Summary, "damping_ratio_1") => self.has_peaks(3, until),
             (Table::Summary, "damping_ratio_3") => self.has_peaks(7, until),
             (Table::Summary, "damping_ratio_10") => self.has_peaks(21, until),
+            (Table::Summary, "damping_ratio_fit") => self.fit_is_over(until),
             // All others depend on the whole run.
             (Table::Summary | Table::Absorbers, _) => false,
             // An event is known if all its instants are.
             _ => (1..row.len()).all(before),
         }
+    }
+
+    /// True if the half cycle whose peak ends the fit of the damping ratio is over before an instant: the next peak
+    /// has come.
+    fn fit_is_over(&self, until: f64) -> bool {
+        let (peaks, place) =
+            (rows_of(&self.rows, Table::Envelope), place_of(Table::Envelope, "amplitude"));
+        let size = |row: &&[Cell]| if let Cell::Number(size) = row[place] { size } else { 0.0 };
+        let reference =
+            if self.begun_at > 0.0 { self.begun_at } else { peaks.first().map_or(0.0, size) };
+        let last = peaks.iter().position(|row| size(row) < FIT_FLOOR * reference);
+        last.is_some_and(|last| self.has_peaks(last + 2, until))
     }
 
     /// True if the run has so many peaks before an instant.

@@ -3,7 +3,7 @@
 use crate::number::real::Real;
 
 /// Peaks below this share of A₀ end the least-squares fit.
-const FIT_FLOOR: f64 = 0.05;
+pub const FIT_FLOOR: f64 = 0.05;
 
 /// Running least-squares line of ln a over t (updated means, after Welford 1962).
 #[derive(Debug, Clone, Copy, Default)]
