@@ -109,7 +109,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
 /// Checks every point of a study, or points spread over it if it has more than [`CHECKED`].
 fn check_points(file: &StudyFile, points: u64) -> Result<(), Error> {
     if points <= CHECKED {
-        let progress = Progress::new("checking", points, false);
+        let progress = Progress::new("checking", Some(points), false);
         let workers = threads::workers(None)?;
         file.validate(&workers, &AtomicBool::new(false), &|count| progress.add(count))?;
         progress.clear();

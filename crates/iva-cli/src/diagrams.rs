@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::AtomicBool;
 
 use iva_study::study_file::StudyFile;
 use iva_sweep::Invalid;
-use iva_sweep::dynamics::basins::{Asked, Basins, Plane, basins};
+use iva_sweep::dynamics::basins::{Asked, Basins, CUT, Plane, basins};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window, diagram};
 use iva_sweep::dynamics::starts::{NAMES, Numbers};
-use iva_sweep::dynamics::{Found, Tracker};
+use iva_sweep::dynamics::{Found, Outcome};
 use iva_sweep::sweep::SweepError;
 
 use crate::args::{AxisOfStarts, BasinsArgs, DiagramArgs};
@@ -17,7 +17,8 @@ use crate::cell::short;
 use crate::changed_field::ChangedField;
 use crate::error::Error;
 use crate::interrupt;
-use crate::orbits::{refuse_existing, scene, unless_interrupted, write_new};
+use crate::orbits::{interrupted, refuse_existing, scene, unless_interrupted, write_new};
+use crate::progress::watched;
 
 /// Strobes that differ by less, over the size of all, are the same: those of a transient that is slow enough, too.
 const SAME: f64 = 1e-6;
@@ -46,13 +47,18 @@ pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
     let window = Window { discard: args.discard, keep: args.keep };
     let both = [Direction::Up, Direction::Down];
     let cancel: &AtomicBool = interrupt::listen();
-    let tracker = Tracker { cancel, done: &AtomicU64::new(0) };
-    let found = diagram(&file.study.spec, (field.over, &values), &both, window, tracker);
-    unless_interrupted(cancel)?;
-    let found = found.map_err(|error| match error {
+    let found = watched("running", Some(2 * args.count), cancel, |tracker| {
+        diagram(&file.study.spec, (field.over, &values), &both, window, tracker)
+    });
+    let mut found = found.map_err(|error| match error {
         SweepError::Invalid(invalid) => field.blame(&file, &invalid),
         error => error.into(),
     })?;
+    let all = found.len();
+    found.retain(|it| it.outcome != Outcome::Cancelled);
+    if found.is_empty() {
+        unless_interrupted(cancel)?;
+    }
     let mut table = format!("{},direction,{},impacts\n", args.over, NAMES.join(","));
     for strobes in &found {
         for (state, impacts) in strobes.states.iter().zip(&strobes.impacts) {
@@ -63,7 +69,12 @@ pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
     }
     let report = both.map(|direction| ranges(&found, direction, &args.over)).concat();
     write_new(args.csv.as_deref(), &table, &report)?;
-    Ok(report)
+    if found.len() == all {
+        return Ok(report);
+    }
+    let [up, down] = both.map(|way| found.iter().filter(|it| it.direction == way).count());
+    let kept = format!("{up} of {} values upwards and {down} downwards", values.len());
+    Err(interrupted(report, &kept, args.csv.as_deref()))
 }
 
 fn name(direction: Direction) -> &'static str {
@@ -85,8 +96,11 @@ fn repeats(strobes: &Strobes) -> Option<usize> {
 
 /// The ranges of values whose steady states repeat alike, for the terminal.
 fn ranges(found: &[Strobes], direction: Direction, over: &str) -> String {
-    let mut out = format!("{}\n", name(direction));
     let own: Vec<_> = found.iter().filter(|it| it.direction == direction).collect();
+    if own.is_empty() {
+        return String::new();
+    }
+    let mut out = format!("{}\n", name(direction));
     for group in own.chunk_by(|a, b| repeats(a) == repeats(b)) {
         let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
         let what = match repeats(first) {
@@ -119,21 +133,32 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
         side: SIDE,
     };
     let cancel: &AtomicBool = interrupt::listen();
-    let found = basins(&file.study.spec, &plane, &asked, cancel);
-    unless_interrupted(cancel)?;
+    let starts = plane.values.iter().map(|values| values.len() as u64).product();
+    let found = watched("running", Some(starts), cancel, |tracker| {
+        basins(&file.study.spec, &plane, &asked, tracker)
+    });
     let found = found.map_err(|error| match error {
         SweepError::Invalid(invalid) => blame(args, &file, &invalid),
         error => error.into(),
     })?;
+    let finished = found.labels.iter().filter(|label| **label != CUT).count();
+    if finished == 0 {
+        unless_interrupted(cancel)?;
+    }
     let mut table = format!("{},{},label,likely,cycles\n", NAMES[across], NAMES[up]);
     let width = plane.values[0].len();
-    for (index, label) in found.labels.iter().enumerate() {
+    for (index, label) in found.labels.iter().enumerate().filter(|(_, label)| **label != CUT) {
         let (x, y) = (plane.values[0][index % width], plane.values[1][index / width]);
         let _ = writeln!(table, "{x},{y},{label},{},{}", found.likely[index], found.cycles[index]);
     }
     let report = shares(&found);
     write_new(args.csv.as_deref(), &table, &report)?;
-    Ok(report)
+    let all = found.labels.len();
+    if finished == all {
+        return Ok(report);
+    }
+    let kept = format!("{finished} of {all} starts");
+    Err(interrupted(report, &kept, args.csv.as_deref()))
 }
 
 /// Checks that a plane has two numbers, and not too many cells.
@@ -168,24 +193,28 @@ fn blame(args: &BasinsArgs, file: &StudyFile, invalid: &Invalid) -> Error {
 /// What the cells end in, for the terminal.
 fn shares(found: &Basins) -> String {
     let mut counts = BTreeMap::new();
-    for label in &found.labels {
+    for label in found.labels.iter().filter(|label| **label != CUT) {
         *counts.entry(*label).or_insert(0usize) += 1;
     }
-    let all = found.labels.len() as f64;
-    let mut out = format!("{} starts\n\n", found.labels.len());
+    let all: usize = counts.values().sum();
+    let mut out = format!("{all} starts\n\n");
     for (label, count) in counts {
         let what = match usize::try_from(label).ok().and_then(|index| found.attractors.get(index)) {
             Some(orbit) => described(orbit),
             None if label == -2 => "a motion without impacts".to_owned(),
             None => "not decided".to_owned(),
         };
-        let _ =
-            writeln!(out, "  {label:>3}  {:>6} %  {what}", short(100.0 * count as f64 / all, 3));
+        let _ = writeln!(
+            out,
+            "  {label:>3}  {:>6} %  {what}",
+            short(100.0 * count as f64 / all as f64, 3)
+        );
     }
     for one in &found.left_out {
         let _ = writeln!(out, "\n  left out: {}", one.words());
     }
-    if let Some(entropy) = &found.entropy {
+    // Of a part of the plane they would say nothing.
+    if let Some(entropy) = found.entropy.as_ref().filter(|_| all == found.labels.len()) {
         let _ = writeln!(out, "\n  basin entropy           {}", short(entropy.basin, 4));
         if let Some(boundary) = entropy.boundary {
             let _ = writeln!(out, "  boundary basin entropy  {}", short(boundary, 4));

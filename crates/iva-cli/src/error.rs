@@ -27,6 +27,14 @@ pub enum Error {
     /// A request that cannot be served: one sentence with what to do instead.
     #[error("{0}")]
     Refused(String),
+    /// A command that ended early by Ctrl-C, with something to keep.
+    #[error("interrupted: {kept}")]
+    Interrupted {
+        /// What is printed of what it found.
+        report: String,
+        /// How much that is, and where it is written.
+        kept: String,
+    },
 }
 
 impl Error {
@@ -34,6 +42,7 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Error::Study(error) if error.is_interrupted() => EXIT_INTERRUPTED,
+            Error::Interrupted { .. } => EXIT_INTERRUPTED,
             Error::Study(error) if !error.is_bad_input() => EXIT_FAULT,
             Error::Study(_) | Error::Refused(_) => EXIT_BAD_INPUT,
         }

@@ -111,6 +111,9 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         Ok(_) if quiet => EXIT_OK,
         Ok(text) => print(&text),
         Err(error) => {
+            if let Error::Interrupted { report, .. } = &error {
+                print(report);
+            }
             // If standard error is closed there is nobody left to tell.
             let _ = writeln!(anstream::stderr(), "{}", error.report());
             error.exit_code()

@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_study::error::Kept;
 use iva_study::study_file::{StudyFile, read_study};
 use iva_sweep::design::Spec;
-use iva_sweep::dynamics::branches::{Complex, Followed, Row, Special, Way, follow};
+use iva_sweep::dynamics::branches::{Complex, End, Followed, Row, Special, Way, follow};
 use iva_sweep::dynamics::words::words;
-use iva_sweep::dynamics::{Asked, Found, ToTwice, Tracker, orbit};
+use iva_sweep::dynamics::{Asked, Found, ToTwice, orbit};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::slot::Slot;
 use iva_sweep::units::UnitSystem;
@@ -21,6 +21,7 @@ use crate::cell::short;
 use crate::changed_field::ChangedField;
 use crate::error::Error;
 use crate::interrupt;
+use crate::progress::watched;
 use crate::run_study::warn;
 
 /// Significant digits of what is printed; of where a special point is, and of multipliers.
@@ -50,11 +51,10 @@ pub(crate) fn unless_interrupted(cancel: &AtomicBool) -> Result<(), Error> {
 }
 
 /// Finds the orbit that is asked for.
-fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
+fn found(file: &StudyFile, args: &OrbitArgs, cancel: &AtomicBool) -> Result<Found, Error> {
     let OrbitArgs { periods, settle, symmetric, verify, .. } = *args;
     let verify = verify.then_some(iva_verify::exact_orbit as ToTwice);
     let asked = Asked { periods, symmetric: symmetric.then_some(true), settle, verify };
-    let cancel = interrupt::listen();
     let answer = orbit(&file.study.spec, asked, cancel);
     unless_interrupted(cancel)?;
     answer
@@ -68,7 +68,7 @@ fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
 /// What [`read_study`] refuses, a scene that has no orbits, or the reason why none was found.
 pub(crate) fn orbit_command(args: &OrbitArgs) -> Result<String, Error> {
     let (file, units) = scene(&args.study)?;
-    Ok(described(&found(&file, args)?, units))
+    Ok(described(&found(&file, args, interrupt::listen())?, units))
 }
 
 /// A number with its unit.
@@ -141,22 +141,40 @@ pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
         return Err(Error::Refused(format!("--step {}: {rule}", args.step)));
     }
     let (file, units) = scene(&args.orbit.study)?;
-    let start = found(&file, &args.orbit)?;
+    let cancel = interrupt::listen();
+    let start = found(&file, &args.orbit, cancel)?;
     let over = field.over;
     let between = [args.from, args.to];
     let way = Way { over, between, longest: args.step, most_points: args.points as usize };
     let on_orbit = on_orbit(&file.study.spec, &start);
     let spec = on_orbit.map_err(|invalid| file.source.locate(&invalid))?;
-    let cancel = interrupt::listen();
-    let tracker = Tracker { cancel, done: &AtomicU64::new(0) };
-    let followed = follow(&spec, (start.least_periods, start.symmetric), &way, tracker);
-    unless_interrupted(cancel)?;
-    let followed = followed
-        .map_err(|invalid| field.blame(&file, &invalid))?
-        .map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;
+    let shape = (start.least_periods, start.symmetric);
+    let followed =
+        watched("following", None, cancel, |tracker| follow(&spec, shape, &way, tracker))
+            .map_err(|invalid| field.blame(&file, &invalid))?;
+    if !followed.as_ref().is_ok_and(|branch| branch.rows.len() > 1) {
+        unless_interrupted(cancel)?;
+    }
+    let followed =
+        followed.map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;
     let report = told(&followed, over, units);
     write_new(args.csv.as_deref(), &table(&followed, &args.over), &report)?;
-    Ok(report)
+    match followed.ends.contains(&End::Cancelled) {
+        true => {
+            let points = format!("{} points of the branch", followed.rows.len());
+            Err(interrupted(report, &points, args.csv.as_deref()))
+        }
+        false => Ok(report),
+    }
+}
+
+/// The error of a command that was interrupted when it had found something, which is written if there is a file.
+pub(crate) fn interrupted(report: String, found: &str, csv: Option<&Path>) -> Error {
+    let kept = match csv {
+        Some(path) => format!("{found} are written to {}", path.display()),
+        None => format!("{found} were found"),
+    };
+    Error::Interrupted { report, kept }
 }
 
 /// Refuses a file that is there already, before anything is computed.

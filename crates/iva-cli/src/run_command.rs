@@ -69,7 +69,7 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     let text = write(&resolve(&file)?)?;
     let dir = folder(args);
     let mut output = Output::prepare(&dir, args.overwrite, style)?;
-    let progress = Progress::new("running", 1, args.quiet);
+    let progress = Progress::new("running", Some(1), args.quiet);
     let computed = compute(&file, &workers, cancel);
     progress.clear();
     let (tables, failed) = computed?;

@@ -47,7 +47,7 @@ fn run(all: &SweepArgs, log: &Log) -> Result<String, Error> {
     let watch = Watching {
         study: &file.study,
         best: Mutex::new(BestPoints::new(&file.report, &file.study)),
-        checking: Progress::new("checking", points, args.quiet),
+        checking: Progress::new("checking", Some(points), args.quiet),
         running: Mutex::new(None),
         quiet: args.quiet,
         log,
@@ -123,7 +123,7 @@ impl Watch for Watching<'_> {
             "checked",
             json!({ "parts": plan.parts(), "part_points": plan.part_points, "points_done": manifest.done() }),
         );
-        let progress = Progress::new("running", plan.points, self.quiet);
+        let progress = Progress::new("running", Some(plan.points), self.quiet);
         let failed = manifest.parts.values().map(|part| part.failed).sum();
         progress.begin_at(manifest.done(), failed);
         if let Ok(mut running) = self.running.lock() {

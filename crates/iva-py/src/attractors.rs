@@ -153,7 +153,7 @@ pub fn basins<'py>(
     let (most_periods, most_cycles, side) = limits;
     let asked = Asked { orbits, most_periods, most_cycles, side };
     let work = move |shared: &worker::Shared| {
-        engine::basins::basins(&spec, &plane, &asked, &shared.cancel)
+        engine::basins::basins(&spec, &plane, &asked, shared.tracker())
     };
     let Basins { attractors, periods, labels, likely, cycles, entropy, left_out } =
         worker::run(py, None, work)?;

@@ -1,6 +1,6 @@
 //! Basins of attraction over two numbers of the start, in the user's units, see [`iva_core::orbit::basins`].
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::error::Invalid;
 use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
@@ -12,7 +12,7 @@ use iva_core::orbit::{Coordinates, Trajectory};
 use super::attractors::{begun, searched, told_of};
 use super::family::{Family, with_member};
 use super::starts::{Numbers, Startable};
-use super::{Found, Missed};
+use super::{Found, Missed, Outcome, Tracker};
 use crate::design::Spec;
 use crate::sweep::SweepError;
 use crate::workers::Workers;
@@ -23,6 +23,8 @@ pub use iva_core::orbit::basin_entropy::Entropy;
 pub const UNDECIDED: i32 = -1;
 /// The label of a cell that ends in a motion without impacts.
 pub const NO_IMPACTS: i32 = -2;
+/// The label of a cell that a cancelled call has not come to the end of.
+pub const CUT: i32 = -3;
 /// Most cells whose ends are looked at for attractors.
 const MOST_SEARCHED: usize = 256;
 /// So many times as many cycles as a cell has are run in search of attractors.
@@ -91,7 +93,7 @@ pub struct Basins {
     pub attractors: Vec<Found>,
     /// Number of periods after which each repeats.
     pub periods: Vec<u32>,
-    /// The labels, row by row upwards: index of an attractor, [`NO_IMPACTS`] or [`UNDECIDED`].
+    /// The labels, row by row upwards: index of an attractor, [`NO_IMPACTS`], [`UNDECIDED`] or [`CUT`].
     pub labels: Vec<i32>,
     /// The same where also cells that rounding errors may have decided have a label.
     pub likely: Vec<i32>,
@@ -103,7 +105,8 @@ pub struct Basins {
     pub left_out: Vec<LeftOut>,
 }
 
-/// The basins of a scene.
+/// The basins of a scene. Once cancelled, the cells that are not finished are [`CUT`]: all of them, if the attractors are not
+/// known yet. Cells are counted row by row.
 ///
 /// # Errors
 /// [`SweepError::Invalid`] as [`Family::new`], or if a start lies outside the gap.
@@ -111,17 +114,17 @@ pub fn basins(
     spec: &Spec,
     plane: &Plane,
     asked: &Asked,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Basins, SweepError> {
     let family = Family::new(spec, None, 1)?;
-    with_member!(&family.member, |it| labelled(&family, it, (plane, asked), cancel))
+    with_member!(&family.member, |it| labelled(&family, it, (plane, asked), tracker))
 }
 
 fn labelled<S: Startable>(
     family: &Family,
     like: &Trajectory<S>,
     (plane, asked): (&Plane, &Asked),
-    cancel: &AtomicBool,
+    Tracker { cancel, done }: Tracker<'_>,
 ) -> Result<Basins, SweepError> {
     let given: Numbers = like.system.coordinates(&like.state).into();
     let starts = plane.starts(like.system.user_numbers(&family.scale, given));
@@ -144,22 +147,29 @@ fn labelled<S: Startable>(
     let without = labels.iter().filter(|label| near.iter().all(|it| it.attractor != **label));
     left_out.extend(without.map(|label| LeftOut::NoNeighbourhood { label: *label }));
     let columns = plane.values[0].len();
+    let found_all = !cancel.load(Ordering::Relaxed);
     let rows = plane.values[1].len() as u64;
     let row = |row: u64| -> Result<Vec<Cell>, Invalid> {
         let first = row as usize * columns;
         let trajectories = begun(family, like, &starts[first..first + columns])?;
-        iva_core::orbit::basins::basins(&trajectories, &near, asked.most_cycles, Some(cancel))
+        let cells =
+            iva_core::orbit::basins::basins(&trajectories, &near, asked.most_cycles, Some(cancel));
+        done.fetch_add(columns as u64, Ordering::Relaxed);
+        cells
     };
     let rows = Workers::new(None)?.map(rows, row);
     let cells = rows.into_iter().collect::<Result<Vec<_>, Invalid>>()?.concat();
-    let likely: Vec<i32> = cells.iter().map(ending).collect();
+    let likely = |cell: &Cell| if found_all { ending(cell, asked.most_cycles) } else { CUT };
+    let likely: Vec<i32> = cells.iter().map(likely).collect();
     let decided = |label: &i32| match *label {
-        UNDECIDED => None,
+        UNDECIDED | CUT => None,
         NO_IMPACTS => Some(count),
         label => usize::try_from(label).ok(),
     };
     let classes: Vec<Option<usize>> = likely.iter().map(decided).collect();
-    let sure = |(cell, likely): (&Cell, &i32)| if cell.is_sure() { *likely } else { UNDECIDED };
+    let sure = |(cell, likely): (&Cell, &i32)| {
+        if cell.is_sure() || *likely == CUT { *likely } else { UNDECIDED }
+    };
     Ok(Basins {
         attractors,
         periods,
@@ -242,11 +252,13 @@ pub(super) fn untold<S: Startable>(
     LeftOut::Untold { start, periods: orbit.periods() as u32, why }
 }
 
-/// The label of a cell, whether it is sure or not.
-fn ending(cell: &Cell) -> i32 {
+/// The label of a cell of at most so many cycles, whether it is sure or not.
+fn ending(cell: &Cell, most_cycles: u64) -> i32 {
     match cell.ending {
         Ending::Attractor(index) => i32::try_from(index).unwrap_or(UNDECIDED),
         Ending::NoImpacts => NO_IMPACTS,
+        Ending::Open(Outcome::Cancelled) => CUT,
+        Ending::Open(Outcome::Finished) if cell.cycles < most_cycles => CUT,
         Ending::Open(_) => UNDECIDED,
     }
 }
