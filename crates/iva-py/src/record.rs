@@ -6,7 +6,7 @@ use std::sync::Arc;
 use iva_store::visible;
 use iva_study::record_file::{RecordUnit, read_record as read};
 use iva_sweep::Invalid;
-use iva_sweep::forces::{History, RecordKind, Recorded};
+use iva_sweep::forces::{History, RecordKind, Recorded, Selection};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -33,7 +33,8 @@ impl PyRecord {
     fn new(times: Vec<f64>, values: Vec<f64>, kind: &str, is_metric: bool) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let history = Arc::new(History::new(times, values).map_err(invalid)?);
-        Ok(Self(Recorded { history, kind, file: None, is_metric }))
+        let selection = Selection::default();
+        Ok(Self(Recorded { history, kind, file: None, selection, is_metric }))
     }
 
     #[getter]
@@ -86,5 +87,6 @@ pub fn read_record(py: Python<'_>, path: PathBuf, kind: Option<&str>) -> PyResul
     let known = if is_metric { RecordKind::BaseAcceleration } else { RecordKind::Force };
     let history = History::new(file.times, file.values).map_err(invalid)?;
     let kind = kind.unwrap_or(known);
-    Ok(PyRecord(Recorded { history: Arc::new(history), kind, file: None, is_metric }))
+    let (history, selection) = (Arc::new(history), Selection::default());
+    Ok(PyRecord(Recorded { history, kind, file: None, selection, is_metric }))
 }

@@ -11,11 +11,12 @@ use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::record_file::{RecordFile, RecordUnit, read_record_in_si};
+use crate::record_file::{RecordFile, RecordUnit, Unread, read_record_in_si};
+use crate::selection;
 use crate::source::Source;
 use crate::value::{Key, Value, as_number, at, entries, name, number, table, unknown_key};
 
-/// Keys of a recorded force that are not numbers.
+/// Keys of a recorded force that are no fields of a scene, besides those of [`selection`].
 const OF_A_RECORD: [&str; 2] = ["record", "kind"];
 
 /// Base accelerations without a unit of at most that size may be in g: hardly an earthquake exceeds 2 g.
@@ -46,6 +47,7 @@ pub(crate) fn read(
     let mut sections = Vec::with_capacity(items.len());
     for item in items {
         let section = table(source, Part::Force.name(), key, item)?;
+        check_keys(source, section)?;
         spec.add_force(ForceSpec::new(read_recorded(source, section)?));
         sections.push(section);
     }
@@ -68,12 +70,8 @@ fn read_numbers(
 ) -> Result<(), Error> {
     for (key, value) in entries(section) {
         let bare = key.get_ref().as_ref();
-        if OF_A_RECORD.contains(&bare) {
-            continue;
-        }
-        let Some(field) = FieldId::find(Part::Force, bare) else {
-            return Err(unknown_key(source, Part::Force.name(), key, &known_keys()));
-        };
+        let selects = section.contains_key("record") && selection::KEYS.contains(&bare);
+        let Some(field) = FieldId::find(Part::Force, bare).filter(|_| !selects) else { continue };
         let slot = Slot::of_force(field, force, count);
         let number = number(source, &slot.path(), value, field.info().allowed)?;
         spec.set(slot, number).map_err(|invalid| at(source, value.span(), &invalid))?;
@@ -82,20 +80,35 @@ fn read_numbers(
     Ok(())
 }
 
+/// Checks that a section of a force has only keys that there are.
+fn check_keys(source: &Source, section: &DeTable<'_>) -> Result<(), Error> {
+    let known = known_keys();
+    match entries(section).iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
+        Some((key, _)) => Err(unknown_key(source, Part::Force.name(), key, &known)),
+        None => Ok(()),
+    }
+}
+
 /// The keys that a section of a force may have.
 fn known_keys() -> Vec<&'static str> {
     let fields = FieldId::all().map(FieldId::info).filter(|info| info.part == Part::Force);
-    fields.map(|info| info.name).chain(OF_A_RECORD).collect()
+    let mut known: Vec<_> = fields.map(|info| info.name).chain(OF_A_RECORD).collect();
+    known.extend(selection::KEYS.iter().filter(|key| FieldId::find(Part::Force, key).is_none()));
+    known
 }
 
 /// The recorded force of a section, if the section names a record.
 fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Recorded>, Error> {
     let Some((_, value)) = section.get_key_value("record") else {
-        return match section.get_key_value("kind") {
-            Some((key, _)) => Err(source.error(
-                key.span(),
-                "force.kind says what the values of a record are: give record, the name of a file",
-            )),
+        // The time is that of an impulse.
+        let keys = ["kind", "column", "unit", "sampling_hz"];
+        return match keys.iter().find_map(|key| section.get_key_value(*key)) {
+            Some((key, _)) => {
+                let name = key.get_ref();
+                let rule =
+                    format!("force.{name} is one of a record: give record, the name of a file");
+                Err(source.error(key.span(), rule))
+            }
             None => Ok(None),
         };
     };
@@ -112,11 +125,16 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
         }
     };
     let path = beside(source.path(), file.as_ref());
-    let read = read_record_in_si(&path).map_err(|error| match error {
-        Error::UnreadableRecord { reason, .. } => {
+    let selection = selection::read(source, section)?;
+    let read = read_record_in_si(&path, &selection).map_err(|unread| match unread {
+        Unread::File(Error::UnreadableRecord { reason, .. }) => {
             source.bad_value("force.record", value.span(), &format!("it cannot be read: {reason}"))
         }
-        other => other,
+        Unread::File(other) => other,
+        Unread::Key { key, message } => {
+            let place = section.get_key_value(key).map_or(value, |(_, given)| given);
+            source.error(place.span(), message)
+        }
     })?;
     if let Some(rule) = doubt(section, kind, &read) {
         return Err(source.error(value.span(), format!("{}: {rule}", path.display())));
@@ -125,7 +143,7 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
     let history = History::new(read.times, read.values)
         .map_err(|invalid| source.error(value.span(), format!("{}: {invalid}", path.display())))?;
     let file = Some(path.display().to_string());
-    Ok(Some(Recorded { history: Arc::new(history), kind, file, is_metric }))
+    Ok(Some(Recorded { history: Arc::new(history), kind, file, selection, is_metric }))
 }
 
 /// Why the values of a record may not be what `kind` says, by their unit or their size.
@@ -147,8 +165,8 @@ fn doubt(section: &DeTable<'_>, kind: RecordKind, read: &RecordFile) -> Option<S
         _ => return None,
     };
     Some(format!(
-        "it states no unit, and accelerations of up to {peak} may be in m/s^2 or in {others}; write the \
-         unit behind the name of the column, \"acceleration (g)\", or (1) for the unit of the study"
+        "it states no unit, and accelerations of up to {peak} may be in m/s^2 or in {others}; give force.unit, \
+         or \"1\" for that of the study, or write it behind the name of the column: \"acceleration (g)\""
     ))
 }
 

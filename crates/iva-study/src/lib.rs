@@ -21,6 +21,7 @@ pub mod report;
 pub mod resolved;
 pub mod run_sweep;
 pub mod sampling;
+mod selection;
 pub mod source;
 mod structure;
 pub mod study_file;

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use iva_store::inputs::{INPUTS, Input};
+use iva_sweep::forces::Selection;
 use iva_sweep::sampling::Sampling;
 
 use crate::study_file::StudyFile;
@@ -26,6 +27,7 @@ pub(crate) fn named(file: &StudyFile, dir: &Path) -> (StudyFile, Vec<Input>) {
         if unnamed(&recorded.file) {
             let input = Input::record(number, Arc::clone(&recorded.history));
             recorded.file = Some(input.name().to_owned());
+            recorded.selection = Selection::default();
             inputs.push(input);
         }
     }

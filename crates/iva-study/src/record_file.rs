@@ -1,18 +1,20 @@
 //! Reading of files of recorded forces and base motions.
 //!
 //! `columns` reads lines of a time and a value, or `dt = …` and values; `at2` reads PEER's format of
-//! accelerograms, which is recognised by the extension `.at2` or by the header; `head` finds the units that are
-//! named above columns. Every error names the file, and line and column unless something is missing.
+//! accelerograms, which is recognised by the extension `.at2` or by the header; `head` finds the names and units
+//! above columns, and `selected` reads what a study says of a file. Every error names the file, and line and column unless something is missing.
 
 mod at2;
 mod columns;
 mod head;
+mod selected;
 
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
 use iva_store::regular_file;
+use iva_sweep::forces::Selection;
 
 use crate::error::Error;
 use crate::source::{Source, shortened};
@@ -53,12 +55,34 @@ pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
     parse_record(path, &bytes_of(path)?)
 }
 
-/// Reads a file of a recorded history, and converts it from the units that its head names.
+/// Why what is selected of a file of a record cannot be read.
+#[derive(Debug)]
+pub enum Unread {
+    /// Something is wrong in the file.
+    File(Error),
+    /// Something is wrong with a key of the section of the force.
+    Key {
+        /// The key.
+        key: &'static str,
+        /// One sentence with the field, its value and what is allowed.
+        message: String,
+    },
+}
+
+impl From<Error> for Unread {
+    fn from(error: Error) -> Self {
+        Self::File(error)
+    }
+}
+
+/// Reads what is selected of a file of a recorded history, and converts it from the units that its head or the
+/// selection names.
 ///
 /// # Errors
-/// As [`read_record`], and [`Error::Study`] for a unit of something else.
-pub fn read_record_in_si(path: &Path) -> Result<RecordFile, Error> {
-    parse_record_in_si(path, &bytes_of(path)?)
+/// [`Unread::File`] as [`read_record`], and for a unit of something else; [`Unread::Key`] for a selection that the
+/// file does not have.
+pub fn read_record_in_si(path: &Path, selection: &Selection) -> Result<RecordFile, Unread> {
+    parse_record_in_si(path, &bytes_of(path)?, selection)
 }
 
 /// The contents of a file of at most 1 GiB.
@@ -84,50 +108,57 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
 /// # Errors
 /// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
-    parse_with(path, bytes, |text| parse(path, text))
+    let text = text_of(path, bytes)?;
+    parse(path, text).map_err(|fault| fault.located(path, text))
 }
 
-/// Reads the bytes of a recorded history, and converts it from the units that its head names.
+/// Reads what is selected of the bytes of a recorded history, and converts it from the units that its head or the
+/// selection names.
 ///
 /// # Errors
-/// [`Error::Study`], with line and column where there are any, for invalid contents.
-pub fn parse_record_in_si(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
-    parse_with(path, bytes, |text| head::in_si(text, parse(path, text)?))
-}
-
-/// Reads the text that bytes hold with `parse`, and gives its fault its place.
-fn parse_with(
+/// As [`read_record_in_si`], for invalid contents.
+pub fn parse_record_in_si(
     path: &Path,
     bytes: &[u8],
-    parse: impl FnOnce(&str) -> Result<RecordFile, Fault>,
-) -> Result<RecordFile, Error> {
+    selection: &Selection,
+) -> Result<RecordFile, Unread> {
+    let text = text_of(path, bytes)?;
+    let read = match selected::is_needed(path, text, selection) {
+        true => selected::read(path, text, selection),
+        false => parse(path, text).and_then(|record| head::in_si(text, record)),
+    };
+    read.map_err(|fault| match fault.key {
+        Some(key) => Unread::Key { key, message: fault.message },
+        None => fault.located(path, text).into(),
+    })
+}
+
+/// The text that bytes hold.
+fn text_of<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b str, Error> {
     if bytes.contains(&0) {
         let message = "a binary file or text in UTF-16; give a record as text in UTF-8";
         return Err(Source::new(path, "").missing(message));
     }
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok(text.strip_prefix('\u{feff}').unwrap_or(text)),
         Err(error) => {
             let end = error.valid_up_to();
             let valid = String::from_utf8_lossy(&bytes[..end]);
             let message = "not UTF-8 text; give a record as text in UTF-8";
-            return Err(Source::new(path, &valid).error(end..end, message));
+            Err(Source::new(path, &valid).error(end..end, message))
         }
-    };
-    parse(text).map_err(|fault| {
-        let source = Source::new(path, text);
-        match fault.place {
-            Some(place) => source.error(place, fault.message),
-            None => source.missing(fault.message),
-        }
-    })
+    }
 }
 
 fn parse(path: &Path, text: &str) -> Result<RecordFile, Fault> {
     if text.trim().is_empty() {
         return Err(Fault::missing("the file is empty; give times and values"));
     }
-    let record = if at2::is_at2(path, text) { at2::read(text)? } else { columns::read(text)? };
+    long_enough(if at2::is_at2(path, text) { at2::read(text)? } else { columns::read(text)? })
+}
+
+/// A record, unless it has too few points.
+fn long_enough(record: RecordFile) -> Result<RecordFile, Fault> {
     match record.values.len() {
         0 => Err(Fault::missing("no numbers in it; a record needs at least 2 points")),
         1 => Err(Fault::missing("1 point in it; a record needs at least 2")),
@@ -135,22 +166,38 @@ fn parse(path: &Path, text: &str) -> Result<RecordFile, Fault> {
     }
 }
 
-/// An error in a text, with the range of its bytes, or without a range if something is missing.
+/// An error in a text, with the range of its bytes, or without a range if something is missing; or in a key of the
+/// section that names the file.
 struct Fault {
     place: Option<Range<usize>>,
+    key: Option<&'static str>,
     message: String,
 }
 
 impl Fault {
     /// An error without a place.
     fn missing(message: impl Into<String>) -> Self {
-        Self { place: None, message: message.into() }
+        Self { place: None, key: None, message: message.into() }
+    }
+
+    /// An error in a key of the section that names the file.
+    fn of_key(key: &'static str, message: String) -> Self {
+        Self { place: None, key: Some(key), message }
+    }
+
+    /// The error with the place in the file.
+    fn located(self, path: &Path, text: &str) -> Error {
+        let source = Source::new(path, text);
+        match self.place {
+            Some(place) => source.error(place, self.message),
+            None => source.missing(self.message),
+        }
     }
 
     /// An error at the place of `part`, which is a slice of `text`.
     fn at(text: &str, part: &str, message: impl Into<String>) -> Self {
         let start = part.as_ptr().addr().saturating_sub(text.as_ptr().addr());
-        Self { place: Some(start..start + part.len()), message: message.into() }
+        Self { place: Some(start..start + part.len()), key: None, message: message.into() }
     }
 }
 

@@ -14,6 +14,7 @@ use iva_sweep::slot::Slot;
 use iva_sweep::study::Table;
 
 use crate::error::Error;
+use crate::selection;
 use crate::structure;
 use crate::study_file::{MOST_BYTES, STUDY_VERSION, StudyFile};
 
@@ -175,6 +176,7 @@ fn write_forces(text: &mut String, spec: &Spec) {
         if let Some(recorded) = &force.record {
             let file = toml::Value::from(recorded.file.clone().unwrap_or_default());
             let _ = writeln!(text, "record = {file}\nkind = \"{}\"", recorded.kind.name());
+            selection::write(text, &recorded.selection);
         }
         for (slot, value) in spec.given().filter(|(slot, _)| slot.info().part == Part::Force) {
             if slot.number.unwrap_or(0) == number {

@@ -42,6 +42,28 @@ impl RecordKind {
     }
 }
 
+/// A column of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// The one with this name, with or without its unit.
+    Named(String),
+    /// The one with this index, from 0.
+    At(usize),
+}
+
+/// What of a file of a record is read, and what the file does not say itself.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Selection {
+    /// The column of the values.
+    pub column: Option<Column>,
+    /// The column of the times.
+    pub time: Option<Column>,
+    /// The unit of the values, 1 for that of the study.
+    pub unit: Option<String>,
+    /// The sampling rate in Hz of a file without times.
+    pub sampling_hz: Option<f64>,
+}
+
 /// A recorded force: times and values in the user's units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
@@ -51,6 +73,8 @@ pub struct Recorded {
     pub kind: RecordKind,
     /// The file it was read from, if any, in the form in which a study file names it.
     pub file: Option<String>,
+    /// What of that file was read.
+    pub selection: Selection,
     /// True if the file says that times are in s and values in m/s².
     pub is_metric: bool,
 }

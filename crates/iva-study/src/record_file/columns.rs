@@ -7,11 +7,7 @@ use crate::source::shortened;
 
 /// Reads a record in columns or with a time step. Blank lines and lines that begin with `#` are skipped.
 pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
-    let mut lines = text
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty() && !line.starts_with('#'))
-        .peekable();
+    let mut lines = filled(text).peekable();
     let (times, values) = match lines.peek().and_then(|first| after_dt(first)) {
         Some(step) => {
             let dt = time_step(text, step)?;
@@ -24,6 +20,56 @@ pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
         }
     };
     Ok(RecordFile { times, values, unit: RecordUnit::Unstated })
+}
+
+/// The lines that count.
+fn filled(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
+}
+
+/// The lines of numbers of a text in columns, and the number of these; `None` if it gives a time step, or has none.
+pub(super) fn rows(text: &str) -> Option<(Vec<&str>, usize)> {
+    let mut lines = filled(text).peekable();
+    let first = lines.peek()?;
+    if after_dt(first).is_some() {
+        return None;
+    }
+    let header = is_header(first);
+    let rows: Vec<&str> = lines.skip(usize::from(header)).collect();
+    let count = cells(rows.first()?).count();
+    Some((rows, count))
+}
+
+/// Reads a column.
+pub(super) fn read_column(
+    text: &str,
+    rows: &[&str],
+    (column, count): (usize, usize),
+) -> Result<Vec<f64>, Fault> {
+    let read = |line: &&str| {
+        let found = cells(line).count();
+        if found != count {
+            let message = format!(
+                "this line has {found} columns, those before it have {count}; give as many in each"
+            );
+            return Err(decimal_comma(text, line).unwrap_or_else(|| Fault::at(text, line, message)));
+        }
+        read_cell(text, line, cells(line).nth(column).unwrap_or_default())
+    };
+    rows.iter().map(read).collect()
+}
+
+/// Checks that the instants in a column increase.
+pub(super) fn check_increase(text: &str, rows: &[&str], times: &[f64]) -> Result<(), Fault> {
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(at) => Err(not_increasing(text, rows[at + 1], times[at + 1], times[at])),
+        None => Ok(()),
+    }
+}
+
+fn not_increasing(text: &str, part: &str, at: f64, last: f64) -> Fault {
+    let message = format!("time {at:?} follows {last:?}; times must increase strictly");
+    Fault::at(text, part, message)
 }
 
 /// Reads lines of a time and a value.
@@ -41,8 +87,7 @@ fn read_points<'t>(
         if let Some(&last) = times.last()
             && at <= last
         {
-            let message = format!("time {at:?} follows {last:?}; times must increase strictly");
-            return Err(Fault::at(text, time, message));
+            return Err(not_increasing(text, time, at, last));
         }
         times.push(at);
         values.push(read_cell(text, line, value)?);

@@ -11,7 +11,7 @@ use crate::source::shortened;
 
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Measures {
+pub(super) enum Measures {
     Time,
     Acceleration,
     Force,
@@ -21,9 +21,9 @@ enum Measures {
 
 /// A unit with its factor to s, m/s² or N.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Unit {
-    measures: Measures,
-    factor: f64,
+pub(super) struct Unit {
+    pub measures: Measures,
+    pub factor: f64,
 }
 
 /// Metres in a unit of length; none is the begin of one behind it.
@@ -79,11 +79,10 @@ const CLOCKS: [&str; 7] = ["t", "time", "zeit", "temps", "tempo", "tiempo", "x_v
 /// Parts of the names of forces, behind which N is no point of the compass.
 const OF_FORCES: [&str; 3] = ["force", "kraft", "load"];
 
-/// The line that names the columns, and the units in it, empty where it has none.
-struct Head<'t> {
-    line: &'t str,
-    time: String,
-    value: String,
+/// The line that names the columns, and these names.
+pub(super) struct Head<'t> {
+    pub line: &'t str,
+    pub names: Vec<String>,
 }
 
 /// Converts a record from the units that the head of its text names; one of AT2 is left as it is.
@@ -91,7 +90,13 @@ pub(super) fn in_si(text: &str, record: RecordFile) -> Result<RecordFile, Fault>
     if record.unit != RecordUnit::Unstated {
         return Ok(record);
     }
-    let Some(Head { line, time, value }) = head(text) else { return Ok(record) };
+    let Some(Head { line, names }) = head(text, 2) else { return Ok(record) };
+    // Above `dt = …` only the values have a name.
+    let units: Vec<String> = names.iter().map(|name| stated(name)).collect();
+    let (time, value) = match &units[..] {
+        [time, value] => (time.clone(), value.clone()),
+        _ => (String::new(), units.concat()),
+    };
     let refused = |stated: &str, rule: &str| {
         Err(Fault::at(text, line, format!("unit \"{}\": {rule}", shortened(stated))))
     };
@@ -118,9 +123,9 @@ pub(super) fn in_si(text: &str, record: RecordFile) -> Result<RecordFile, Fault>
     Ok(RecordFile { times, values, unit: of_values })
 }
 
-/// The head of a record: the last line above its numbers that names a unit or the time, or else its header.
-/// Above `dt = …` it is a comment that names the unit of the values.
-fn head(text: &str) -> Option<Head<'_>> {
+/// The head of a record of so many columns: the last line above its numbers that names a unit or the time, or else its
+/// header. Above `dt = …` it is a comment that names the unit of the values.
+pub(super) fn head(text: &str, count: usize) -> Option<Head<'_>> {
     let mut found = None;
     let mut of_values = None;
     for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -129,17 +134,19 @@ fn head(text: &str) -> Option<Head<'_>> {
             return of_values;
         }
         let bare = line.trim_start_matches('#').trim();
-        let names = names(bare);
+        let names = if count == 1 { vec![bare.to_owned()] } else { names(bare) };
         if !is_comment && names.first().is_some_and(|name| number(name).is_some()) {
             break;
         }
         if is_comment && unit(&stated(bare)).is_some() {
-            of_values = Some(Head { line, time: String::new(), value: stated(bare) });
+            of_values = Some(Head { line, names: vec![bare.to_owned()] });
         }
-        let [time, value] = &names[..] else { continue };
-        let is_telling = is_telling(time) || is_telling(value);
+        if names.len() != count {
+            continue;
+        }
+        let is_telling = names.iter().any(|name| is_telling(name));
         if is_telling || (!is_comment && found.is_none()) {
-            found = Some(Head { line, time: stated(time), value: stated(value) });
+            found = Some(Head { line, names });
         }
     }
     found
@@ -167,31 +174,52 @@ fn is_telling(name: &str) -> bool {
     unit(&stated(name)).is_some() || CLOCKS.contains(&bare.as_str())
 }
 
-/// The text of the unit behind a name, empty if there is none. Brackets state a unit whether it is known or not,
-/// all else only if it is known.
+/// The text of the unit behind a name, empty if there is none.
 fn stated(name: &str) -> String {
-    let name = name.trim().trim_matches(['"', '\'']).trim();
+    parted(name).1
+}
+
+/// A name as it stands, without the quotes around it and with single blanks.
+pub(super) fn plain(name: &str) -> String {
+    let name = name.trim().trim_matches(['"', '\'']);
+    name.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A name and the text of the unit behind it, empty if there is none. Brackets state a unit whether it is known or not,
+/// all else only if it is known.
+pub(super) fn parted(name: &str) -> (String, String) {
+    let name = plain(name);
     for mark in [" / ", " in "] {
-        if let Some((_, text)) = name.split_once(mark)
+        if let Some((of, text)) = name.split_once(mark)
             && unit(bare(text)).is_some()
         {
-            return bare(text).to_owned();
+            return (of.to_owned(), bare(text).to_owned());
         }
     }
     let inside = |open: char, close: char| name.strip_suffix(close)?.split_once(open);
-    if let Some((_, text)) =
+    if let Some((of, text)) =
         inside('[', ']').or_else(|| inside('(', ')')).or_else(|| inside('{', '}'))
     {
-        return text.trim().to_owned();
+        return (of.trim_end_matches([' ', '_']).to_owned(), text.trim().to_owned());
     }
     let longest_first = name.rmatch_indices('_').map(|(at, _)| at).take(3).collect::<Vec<_>>();
     for at in longest_first.into_iter().rev() {
         let (of, text) = (&name[..at], &name[at + 1..]);
         if !of.is_empty() && !of.ends_with('_') && is_suffix(of, text) {
-            return text.to_owned();
+            return (of.to_owned(), text.to_owned());
         }
     }
-    String::new()
+    (name, String::new())
+}
+
+/// True if a column holds instants, by its unit or, without one, by its name.
+pub(super) fn is_clock(name: &str) -> bool {
+    let (name, stated) = parted(name);
+    let bare = name.rsplit('.').next().unwrap_or_default().to_lowercase();
+    match unit(&stated) {
+        Some(unit) => unit.measures == Measures::Time,
+        None => stated.is_empty() && CLOCKS.contains(&bare.as_str()),
+    }
 }
 
 /// True if `text` is a unit at the end of a name, behind `of`.
@@ -216,7 +244,7 @@ fn bare(text: &str) -> &str {
 }
 
 /// The unit that a text spells, if it is known.
-fn unit(text: &str) -> Option<Unit> {
+pub(super) fn unit(text: &str) -> Option<Unit> {
     let mut plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for (from, to) in [("²", "2"), ("−", "-"), ("µ", "u"), ("μ", "u"), ("**", "^"), ("·", "*")]
     {

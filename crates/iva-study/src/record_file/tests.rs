@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 
+use iva_sweep::forces::{Column, Selection};
 use proptest::prelude::*;
 
 use super::*;
@@ -325,8 +326,38 @@ fn check_any(bytes: &[u8]) -> Result<(), TestCaseError> {
                 prop_assert!(!error.to_string().contains(['\n', '\u{1b}']), "{error}");
             }
         }
+        for selection in selections() {
+            let message = match parse_record_in_si(Path::new(name), bytes, &selection) {
+                Ok(RecordFile { times, values, .. }) => {
+                    prop_assert!(times.len() >= 2 && times.len() == values.len());
+                    continue;
+                }
+                Err(Unread::Key { message, .. }) => message,
+                Err(Unread::File(error)) => {
+                    prop_assert!(matches!(error, Error::Study(_)));
+                    error.to_string()
+                }
+            };
+            prop_assert!(!message.contains(['\n', '\u{1b}']), "{message}");
+        }
     }
     Ok(())
+}
+
+/// Some of what a study may say of a file.
+fn selections() -> [Selection; 4] {
+    let none = Selection::default;
+    let (unit, column) = (Some("g".to_owned()), Some(Column::At(0)));
+    [
+        none(),
+        Selection { unit, ..none() },
+        Selection { column, sampling_hz: Some(100.0), ..none() },
+        Selection {
+            column: Some(Column::Named("x".to_owned())),
+            time: Some(Column::At(1)),
+            ..none()
+        },
+    ]
 }
 
 proptest! {

@@ -65,6 +65,7 @@ pub(crate) fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
                 history: Arc::new(History::new(times, values).unwrap()),
                 kind: RecordKind::BaseAcceleration,
                 file: None,
+                selection: Default::default(),
                 is_metric: true,
             })));
         }

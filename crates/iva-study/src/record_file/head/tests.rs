@@ -2,21 +2,23 @@
 
 use std::path::Path;
 
+use iva_sweep::forces::Selection;
+
 use super::*;
 use crate::Error;
-use crate::record_file::parse_record_in_si;
+use crate::record_file::{Unread, parse_record_in_si};
 
 /// A record of three points below a head.
 fn read(head: &str) -> RecordFile {
     let text = format!("{head}\n0,0\n1,0.5\n2,-1\n");
-    parse_record_in_si(Path::new("a.csv"), text.as_bytes())
-        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+    parse_record_in_si(Path::new("a.csv"), text.as_bytes(), &Selection::default())
+        .unwrap_or_else(|error| panic!("{error:?}\n{text}"))
 }
 
 fn said(head: &str) -> String {
     let text = format!("{head}\n0,0\n1,0.5\n2,-1\n");
-    match parse_record_in_si(Path::new("a.csv"), text.as_bytes()) {
-        Err(Error::Study(error)) => error.to_string(),
+    match parse_record_in_si(Path::new("a.csv"), text.as_bytes(), &Selection::default()) {
+        Err(Unread::File(Error::Study(error))) => error.to_string(),
         other => panic!("expected an error, got {other:?}"),
     }
 }
@@ -54,7 +56,8 @@ fn units_that_heads_name_are_converted() {
 #[test]
 fn a_comment_above_a_time_step_names_the_unit_of_the_values() {
     let text = "# made by hand (draft)\n# acceleration [g]\ndt = 0.5\n1 2\n";
-    let record = parse_record_in_si(Path::new("a.txt"), text.as_bytes()).unwrap();
+    let record =
+        parse_record_in_si(Path::new("a.txt"), text.as_bytes(), &Selection::default()).unwrap();
     assert_eq!(record.times, [0.0, 0.5]);
     assert_eq!(record.values, [9.806_65, 2.0 * 9.806_65]);
     assert_eq!(record.unit, RecordUnit::MetresPerSecondSquared);
