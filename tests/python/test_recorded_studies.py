@@ -246,3 +246,32 @@ def test_keys_of_records_need_a_record(tmp_path: Path, capfd: pytest.CaptureFixt
     assert _iva.main(["iva", "check", str(study)]) == 2
     said = " ".join(capfd.readouterr().err.split())
     assert "force.column is one of a record: give record, the name of a file" in said
+
+
+def test_records_of_earlier_results_are_read_without_asking(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A record made in Python, and its file as it was written before it had a unit in its head."""
+    out, again = tmp_path / "out", tmp_path / "again"
+    found = iva.sweep(
+        iva.Siva(mass=20.0, restitution=0.6, gap_mm=20.0),
+        iva.Primary(mass=200.0, stiffness=16e3, damping=30.0),
+        start=iva.Start(),
+        force=iva.Recorded(INSTANTS, VALUES, "base_acceleration"),
+        over={"restitution": [0.5, 0.6]},
+        duration=2.0,
+        out=out,
+    )
+    record, resolved = out / "inputs" / "record-0.csv", out / "study.toml"
+    text = record.read_text(encoding="utf-8")
+    assert text.startswith("time,value (1)\n")
+    record.write_text(text.replace("value (1)", "value"), encoding="utf-8")
+    for study, folder in ((resolved, again), (again / "study.toml", tmp_path / "third")):
+        assert _iva.main(["iva", "sweep", str(study), "--out", str(folder), "--quiet"]) == 0
+        assert iva.read(folder).summary.equals(found.summary)
+    # Of a study that somebody has written nobody knows that.
+    own = resolved.read_text(encoding="utf-8").replace("# Resolved by", "# After that of")
+    resolved.write_text(own, encoding="utf-8")
+    capfd.readouterr()
+    assert _iva.main(["iva", "check", str(resolved)]) == 2
+    assert "may be in m/s^2 or in g; give force.unit" in capfd.readouterr().err

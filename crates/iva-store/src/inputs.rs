@@ -18,7 +18,7 @@ pub const INPUTS: &str = "inputs";
 const POINTS_FILE: &str = "points.parquet";
 
 /// True if `name`, relative to the folder of the result, is that of a file of points or of a record.
-pub(crate) fn is_input_name(name: &str) -> bool {
+pub fn is_input_name(name: &str) -> bool {
     let Some(file) = name.strip_prefix(INPUTS).and_then(|rest| rest.strip_prefix('/')) else {
         return false;
     };

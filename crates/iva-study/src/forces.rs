@@ -4,9 +4,10 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use iva_store::inputs::is_input_name;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
-use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded};
+use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded, Selection};
 use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
@@ -125,7 +126,11 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
         }
     };
     let path = beside(source.path(), file.as_ref());
-    let selection = selection::read(source, section)?;
+    let mut selection = selection::read(source, section)?;
+    // Those of earlier versions do not say that they are in the units of the study.
+    if source.is_resolved() && is_input_name(file) && selection == Selection::default() {
+        selection.unit = Some("1".to_owned());
+    }
     let read = read_record_in_si(&path, &selection).map_err(|unread| match unread {
         Unread::File(Error::UnreadableRecord { reason, .. }) => {
             source.bad_value("force.record", value.span(), &format!("it cannot be read: {reason}"))

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use iva_store::folder::HEADER;
 use iva_sweep::Invalid;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::slot::Slot;
@@ -22,6 +23,11 @@ impl Source {
     /// The text of a file, with the name for messages.
     pub fn new(path: &Path, text: &str) -> Self {
         Self { path: path.to_owned(), text: text.to_owned(), places: Vec::new() }
+    }
+
+    /// True if the package has written the file beside its results.
+    pub(crate) fn is_resolved(&self) -> bool {
+        self.text.starts_with(HEADER)
     }
 
     /// Path of the file, as named by the user.
