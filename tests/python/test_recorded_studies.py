@@ -134,6 +134,16 @@ SAMPLES = "\n".join(map(str, VALUES))
 NAMELESS = "\n".join(f"{-v} {v} {t}" for t, v in zip(INSTANTS, VALUES, strict=True))
 #: The time behind the values.
 TURNED = "\n".join(["a [g],t", *(f"{v},{t}" for t, v in zip(INSTANTS, VALUES, strict=True))])
+#: What a recorder writes above the names, and units below them.
+BELOW = "\n".join(
+    ["Recorder 5000, 2024", "Rate;100", "Zeit;At left;Right", "ms;g;m/s²"]
+    + [f"{1000 * t};{v};{-v}" for t, v in zip(INSTANTS, VALUES, strict=True)]
+)
+#: Names with blanks in them between tabs, and a remark.
+TABS = "\n".join(
+    ["# Zeit [s]\tForce at top [kN]\ta right [g]", "# made by hand"]
+    + [f"{t}\t{v}\t{-v}" for t, v in zip(INSTANTS, VALUES, strict=True)]
+)
 #: An accelerogram, which its fourth line tells.
 QUAKE = (
     "A LINE\nANOTHER\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0100 SEC\n" + SAMPLES
@@ -148,6 +158,10 @@ QUAKE = (
         (MANY, "force_newtons", {"column": "push", "time": 0}),
         (NAMELESS, "base_acceleration", {"column": 1, "time": 2, "unit": "g"}),
         (NAMELESS, "base_acceleration", {"column": 0, "time": 2, "unit": "1"}),
+        (BELOW, "base_acceleration", {"column": "At left"}),
+        (BELOW, "base_acceleration", {"column": "Right"}),
+        (TABS, "force_newtons", {"column": "Force at top"}),
+        (TABS, "base_acceleration", {"column": "a right [g]", "time": 0}),
         (SAMPLES, "base_acceleration", {"sampling_hz": 128, "unit": "mm/s^2"}),
         ("# a [g]\n" + SAMPLES, "force", {"sampling_hz": 30.5, "column": "a"}),
         ("dt = 0.01\n" + SAMPLES, "force", {"unit": "ft/s^2"}),
@@ -188,9 +202,12 @@ def test_a_study_reads_what_the_package_reads(
         (MANY, {"column": "push", "time": "t", "sampling_hz": 5.0}),
         (MANY, {"column": "left [g]", "time": "t", "unit": "mm/s^2"}),
         (MANY, {"column": "left [g]", "time": "t", "unit": "V"}),
+        (BELOW, {}),
+        (BELOW, {"column": "Right", "unit": "g"}),
         (NAMELESS, {}),
         (NAMELESS, {"column": 3}),
         (NAMELESS, {"column": "a"}),
+        (SAMPLES, {}),
         (SAMPLES, {"column": 0}),
         (table("t,a"), {"sampling_hz": 100.0}),
         (QUAKE, {"sampling_hz": 100.0}),

@@ -2,12 +2,13 @@
 //!
 //! `columns` reads lines of a time and a value, or `dt = …` and values; `at2` reads PEER's format of
 //! accelerograms, which is recognised by the extension `.at2` or by the header; `head` finds the names and units
-//! above columns, and `selected` reads what a study says of a file. Every error names the file, and line and column unless something is missing.
+//! above columns; `selected` reads what a study says of a file, of which `table` knows the columns. Every error names the file, and line and column unless something is missing.
 
 mod at2;
 mod columns;
 mod head;
 mod selected;
+mod table;
 
 use std::io::Read;
 use std::ops::Range;

@@ -23,21 +23,13 @@ pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
 }
 
 /// The lines that count.
-fn filled(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn filled(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
 
-/// The lines of numbers of a text in columns, and the number of these; `None` if it gives a time step, or has none.
-pub(super) fn rows(text: &str) -> Option<(Vec<&str>, usize)> {
-    let mut lines = filled(text).peekable();
-    let first = lines.peek()?;
-    if after_dt(first).is_some() {
-        return None;
-    }
-    let header = is_header(first);
-    let rows: Vec<&str> = lines.skip(usize::from(header)).collect();
-    let count = cells(rows.first()?).count();
-    Some((rows, count))
+/// True if a text gives a time step, and then values.
+pub(super) fn is_stepped(text: &str) -> bool {
+    filled(text).next().is_some_and(|first| after_dt(first).is_some())
 }
 
 /// Reads a column.

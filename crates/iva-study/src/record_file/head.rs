@@ -153,7 +153,7 @@ pub(super) fn head(text: &str, count: usize) -> Option<Head<'_>> {
 }
 
 /// The names in a line, with the brackets behind them where blanks divide them.
-fn names(line: &str) -> Vec<String> {
+pub(super) fn names(line: &str) -> Vec<String> {
     let by_blanks = !line.contains([';', ',']);
     let mut names: Vec<String> = Vec::new();
     for cell in cells(line) {
@@ -212,11 +212,16 @@ pub(super) fn parted(name: &str) -> (String, String) {
     (name, String::new())
 }
 
+/// True if a column with this header holds instants.
+pub(super) fn is_clock(header: &str) -> bool {
+    let (name, stated) = parted(header);
+    is_clock_in(&name, &stated)
+}
+
 /// True if a column holds instants, by its unit or, without one, by its name.
-pub(super) fn is_clock(name: &str) -> bool {
-    let (name, stated) = parted(name);
+pub(super) fn is_clock_in(name: &str, stated: &str) -> bool {
     let bare = name.rsplit('.').next().unwrap_or_default().to_lowercase();
-    match unit(&stated) {
+    match unit(stated) {
         Some(unit) => unit.measures == Measures::Time,
         None => stated.is_empty() && CLOCKS.contains(&bare.as_str()),
     }
@@ -235,7 +240,7 @@ fn is_suffix(of: &str, text: &str) -> bool {
 }
 
 /// A text without the brackets around it.
-fn bare(text: &str) -> &str {
+pub(super) fn bare(text: &str) -> &str {
     let text = text.trim();
     [('[', ']'), ('(', ')'), ('{', '}')]
         .into_iter()

@@ -6,8 +6,9 @@ use std::path::Path;
 use iva_sweep::fields::nearest;
 use iva_sweep::forces::{Column, Selection};
 
-use super::columns::{check_increase, read_column, rows};
-use super::head::{Head, Measures, Unit, head, is_clock, parted, plain, unit};
+use super::columns::{check_increase, read_column};
+use super::head::{Head, Measures, Unit, head, is_clock_in, parted, plain, unit};
+use super::table::Table;
 use super::{Fault, RecordFile, RecordUnit, at2, columns, long_enough};
 use crate::source::shortened;
 
@@ -33,9 +34,16 @@ struct Channel {
 }
 
 impl Channel {
-    fn new(name: &str) -> Self {
-        let (bare, stated) = parted(name);
-        Self { name: plain(name), bare, stated, is_clock: is_clock(name) }
+    /// A column with its unit behind the name.
+    fn named(name: &str) -> Self {
+        let (_, stated) = parted(name);
+        Self::new(&plain(name), &stated)
+    }
+
+    fn new(name: &str, stated: &str) -> Self {
+        let (bare, _) = parted(name);
+        let is_clock = is_clock_in(&bare, stated);
+        Self { name: name.to_owned(), bare, stated: stated.to_owned(), is_clock }
     }
 
     /// The unit that the file states.
@@ -59,8 +67,9 @@ enum Numbers<'t> {
 
 /// True if a study says what is read of a text, or has to.
 pub(super) fn is_needed(path: &Path, text: &str, selection: &Selection) -> bool {
-    let is_table = || rows(text).is_some_and(|(_, count)| count > 2);
-    *selection != Selection::default() || (!at2::is_at2(path, text) && is_table())
+    let is_table = || !at2::is_at2(path, text) && !columns::is_stepped(text);
+    let has_others = || Table::new(text).is_ok_and(|table| table.count != 2);
+    *selection != Selection::default() || (is_table() && has_others())
 }
 
 /// Reads what is selected of a text.
@@ -118,26 +127,21 @@ fn opened<'t>(path: &Path, text: &'t str) -> Result<(&'t str, Vec<Channel>, Numb
     if text.trim().is_empty() {
         return Err(Fault::missing("the file is empty; give times and values"));
     }
-    let named = |count: usize| {
-        let Head { line, names } = head(text, count)?;
-        Some((line, names.iter().map(|name| Channel::new(name)).collect()))
-    };
-    let unnamed = |count: usize| (text, (0..count).map(|_| Channel::new("")).collect());
     if at2::is_at2(path, text) {
-        let channel = Channel::new("acceleration [g]");
+        let channel = Channel::named("acceleration [g]");
         return Ok((text, vec![channel], Numbers::Series(at2::read(text)?)));
     }
-    match rows(text) {
-        Some((rows, count)) => {
-            let (line, channels) = named(count).unwrap_or_else(|| unnamed(count));
-            Ok((line, channels, Numbers::Rows(rows, count)))
-        }
-        None => {
-            let record = columns::read(text)?;
-            let (line, channels) = named(1).unwrap_or_else(|| unnamed(1));
-            Ok((line, channels, Numbers::Series(record)))
-        }
+    if columns::is_stepped(text) {
+        let record = columns::read(text)?;
+        let (line, name) = match head(text, 1) {
+            Some(Head { line, names }) => (line, names.concat()),
+            None => (text, String::new()),
+        };
+        return Ok((line, vec![Channel::named(&name)], Numbers::Series(record)));
     }
+    let Table { rows, count, head, heads } = Table::new(text)?;
+    let channels = heads.iter().map(|(name, stated)| Channel::new(name, stated)).collect();
+    Ok((head, channels, Numbers::Rows(rows, count)))
 }
 
 /// The column of the values and that of their instants, if there is one. Of two columns of which none is known to be
