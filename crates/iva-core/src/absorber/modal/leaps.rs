@@ -105,6 +105,21 @@ impl<R: Real> Flown<R> {
     }
 }
 
+/// The sums of some numbers of each mode, in four parts that do not wait for each other.
+#[inline(always)]
+fn summed<R: Real, const K: usize>(n: usize, of: impl Fn(usize) -> [R; K]) -> [R; K] {
+    let mut parts = [[R::ZERO; 4]; K];
+    let whole = n - n % 4;
+    for j in (0..whole).step_by(4).chain(whole..n) {
+        for i in 0..if j < whole { 4 } else { 1 } {
+            for (part, number) in parts.iter_mut().zip(of(j + i)) {
+                part[i] += number;
+            }
+        }
+    }
+    parts.map(|[a, b, c, d]| (a + b) + (c + d))
+}
+
 /// a x + b y in double-double.
 #[inline(always)]
 fn combined<R: Real>([a, x]: [[R; 2]; 2], [b, y]: [[R; 2]; 2]) -> [R; 2] {
@@ -271,13 +286,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn sight(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R>) -> Sight<R> {
         let n = shape.len();
         let (q, v) = z.high[..2 * n].split_at(n);
-        let [mut sums, mut sizes] = [[R::ZERO; 2]; 2];
-        for j in 0..n {
-            for (i, part) in [shape[j] * q[j], shape[j] * v[j]].into_iter().enumerate() {
-                sums[i] += part;
-                sizes[i] += part.abs();
-            }
-        }
+        let of = |j: usize| {
+            let [u, rate] = [shape[j] * q[j], shape[j] * v[j]];
+            [u, rate, u.abs(), rate.abs()]
+        };
+        let [u, rate, size, speed] = summed(n, of);
+        let [sums, sizes] = [[u, rate], [size, speed]];
         let straight = [line.rate.mul_add(time, line.begin), line.rate];
         let along = |i: usize| line.side.mul_add(sums[i], straight[i]);
         let size = |i: usize| sizes[i] + straight[i].abs();
