@@ -18,6 +18,7 @@ use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{MOST_MODES, Modal, ModalState};
 use crate::absorber::{Clock, Coasted};
+use crate::force::Force;
 use crate::host::Host;
 use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
@@ -203,7 +204,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Φ of all lengths; `None` where leaps are not worth their price.
     fn leaps(&self) -> Option<&Leaps<R>> {
         let n = self.whole.count();
-        if self.host.is_driven() || !(self.whole.is_separate() || n <= MOST_COUPLED) {
+        let free = self.host.force().is_none_or(Force::is_none);
+        if !free || !(self.whole.is_separate() || n <= MOST_COUPLED) {
             return None;
         }
         Some(self.leaps.get_or_init(|| self.all_leaps()))

@@ -166,10 +166,10 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let (system, from) = (self.system, &self.from);
         let mut places = from.places;
         for (k, place) in places[..system.count].iter_mut().enumerate() {
-            let known = self.expansion().curved[k].get().is_some();
-            let follows = known || place.stuck || system.host.moves_base();
-            *place = if follows {
+            *place = if place.stuck {
                 self.place(k, h)
+            } else if system.host.moves_base() {
+                Place { shaken: None, ..self.place(k, h) }
             } else {
                 system.place_after(from, k, &modes, Clock::new(h))
             };
@@ -405,7 +405,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
             return None;
         }
         if self.system.dashpots[absorber].is_none() || self.from.places[absorber].stuck {
-            return Some(self.shaken(&self.place(absorber, h))[0]);
+            return Some(self.system.shaken(&self.state(h), absorber)[0]);
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
         let bent = self.displacement(self.system.shape(absorber)).derivative::<2>(t).value;
