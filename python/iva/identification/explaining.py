@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from iva.identification.beginnings import onset, rough_frequency, scanned
 from iva.identification.choosing import chain_of
 from iva.identification.detection import pulses_in
+from iva.identification.instants import Seen, covered, seen, short, with_seen, without
 from iva.identification.kinks import SIDE, kinks_in
 from iva.identification.masking import (
     SMEAR,
@@ -34,6 +35,7 @@ from iva.identification.records import (
 )
 from iva.identification.refining import Known, Refined, refine
 from iva.identification.responses import Values
+from iva.identification.steps import SMEARED, instants, smooth_of, steps_in
 from iva.identification.verdicts import NO_IMPACT, few_enough
 
 #: Width in rad/s of what is expected of the corner of a high pass: half a hertz.
@@ -52,8 +54,11 @@ PERIODS = 1.2
 HOPELESS, UNLIKE = 4, 0.1
 #: Most rounds of refinement.
 ROUNDS = 20
-#: How often impacts are looked for in what is left over.
-SEARCHES = 2
+#: How often impacts are looked for in what is left over, by order: in a velocity small ones show
+#: only where large ones are understood.
+SEARCHES = {0: 2, 1: 5, 2: 2}
+#: Size of a pulse beside a larger one below which it is taken for what that one has left over.
+SHARE = 0.05
 #: Most further modes.
 MODES = 2
 
@@ -85,6 +90,7 @@ def explained(
     floor: float,
     fixed: dict[int, float],
     priors: dict[int, tuple[float, float]],
+    seen_before: tuple[Values, Values] | None = None,
 ) -> Explained:
     """Return what explains a record of acceleration or velocity.
 
@@ -98,6 +104,8 @@ def explained(
         Numbers of the head that are known exactly, by place.
     priors : dict
         Mean and deviation of others.
+    seen_before : tuple of ndarray, shape (k,), optional
+        Instants and jumps of impacts to begin with; by default they are looked for.
 
     Raises
     ------
@@ -122,7 +130,7 @@ def explained(
     dead = dead_time(rate, hertz) / rate if order == 2 else SIDE / hertz
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
-    times, jumps = found_in(recording, recording.values, hertz, (edge,))
+    times, jumps = seen_before or found_in(recording, recording.values, hertz, (edge,))
     if not times.size:
         raise ValueError(NO_IMPACT)
     if not few_enough(times.size, span * hertz):
@@ -151,14 +159,20 @@ def explained(
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
     width = UNKNOWN if shape is not None and shape.chain.kind == "none" else WIDTHS
     smear = min(REACH, max(int(SMEAR * rate / hertz), 2))
-    searches_left = SEARCHES
+    searches_left = SEARCHES[order]
+    by_motion: Values | None = None
     for attempt in range(ROUNDS):
         mask = masked(recording, inputs, begin is None and start is None, smear)
         known = known_of(recording, inputs, fixed, priors, width)
+        told = seen(recording, inputs, noise, by_motion) if short(recording) else None
+        recording, inputs, known, mask = placed(recording, inputs, known, mask, noise, told)
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
         inputs = refined.inputs
-        recording, inputs = with_contact(recording, inputs)
+        if told is not None:
+            by_motion = without(refined, told)
+        else:
+            recording, inputs = with_contact(recording, inputs)
         width = spread_of_widths(refined)
         rest = recording.values - recording.model(inputs)
         before = (noise, roughness)
@@ -184,19 +198,57 @@ def explained(
         if not searches_left:
             break
         searches_left -= 1
-        closed = tuple(closed_by(recording, inputs, dead))
-        more, sizes = found_in(recording, rest, hertz, closed, inputs, noise)
+        closed = tuple(closed_by(recording, inputs, dead, smear))
+        left, share = rest, min(SHARE, 10 * roughness)
+        if order == 1 or told is not None:
+            # There is no model for samples that do not count.
+            left = np.where(mask, rest, 0.0)
+            share = 0.0
+        more, sizes = found_in(recording, left, hertz, closed, inputs, noise, share)
         if not more.size or not few_enough(inputs.times.size + more.size, span * hertz):
             break
         inputs = inputs.with_more(more, sizes)
     if inputs.vector().size != refined.inputs.vector().size:
         # The rounds have ended on a change.
         mask = masked(recording, inputs, begin is None and start is None, smear)
+        known = known_of(recording, inputs, fixed, priors, width)
+        told = seen(recording, inputs, noise, by_motion) if short(recording) else None
+        recording, inputs, known, mask = placed(recording, inputs, known, mask, noise, told)
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
-        refined = refine(recording, inputs, known_of(recording, inputs, fixed, priors, width))
+        refined = refine(recording, inputs, known)
         inputs = refined.inputs
     modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
+
+
+def placed(
+    recording: Recording,
+    inputs: Inputs,
+    known: Known,
+    mask: NDArray[np.bool_],
+    noise: float,
+    told: Seen | None,
+) -> tuple[Recording, Inputs, Known, NDArray[np.bool_]]:
+    """Return the same with instants of impacts where these are seen beside the motion.
+
+    Parameters
+    ----------
+    recording, inputs, known
+        The record, its numbers, and what is known of them.
+    mask : ndarray of bool, shape (n,)
+        True where a sample counts.
+    noise : float
+        Standard deviation of a sample.
+    told : Seen or None
+        What pulses say that are too short to be fitted.
+    """
+    if told is not None:
+        recording, inputs, known = with_seen(recording, inputs, known, told)
+        mask = mask & ~covered(recording, inputs)
+    elif recording.order == 1:
+        places = slice(HEAD, HEAD + inputs.times.size)
+        known.mean[places], known.deviation[places] = instants(recording, inputs, noise)
+    return recording, inputs, known, mask
 
 
 def with_chain(recording: Recording, release: float | None) -> Recording:
@@ -230,6 +282,7 @@ def found_in(
     closed: tuple[tuple[int, int], ...],
     inputs: Inputs | None = None,
     noise: float | None = None,
+    share: float = 0.3,
 ) -> tuple[Values, Values]:
     """Return instants and jumps of the impacts that stand out of values of a record.
 
@@ -247,6 +300,8 @@ def found_in(
         What has been taken out of the values.
     noise : float, optional
         Standard deviation of a sample.
+    share : float
+        Size, over that of a larger one beside it, below which a pulse is taken for its remains.
     """
     if recording.order == 2:
         rate, shape = recording.sampling_hz, recording.shape
@@ -254,11 +309,17 @@ def found_in(
         if inputs is None:
             return pulses_in(values, rate, shape, closed=closed)
         present = (inputs.times, inputs.jumps)
-        return pulses_in(values, rate, shape, inputs.pulse, 0.05, closed, present)
-    times, jumps, _, _ = kinks_in(
-        values, recording.sampling_hz, hertz, recording.order, noise, closed
-    )
-    return times, jumps
+        return pulses_in(values, rate, shape, inputs.pulse, share, closed, present)
+    rate, found = recording.sampling_hz, (np.zeros(0), np.zeros(0))
+    if recording.order == 1:
+        found = steps_in(values, rate, closed, noise or 0.0)
+        values = smooth_of(values, rate, hertz, *found)
+        beside = 2 * SMEARED
+        places = np.rint(found[0] * rate).astype(int)
+        closed = (*closed, *((int(at) - beside, int(at) + beside) for at in places))
+    times, jumps, _, _ = kinks_in(values, rate, hertz, recording.order, noise, closed)
+    order = np.argsort(np.concatenate([found[0], times]))
+    return np.concatenate([found[0], times])[order], np.concatenate([found[1], jumps])[order]
 
 
 def known_of(

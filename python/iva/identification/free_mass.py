@@ -15,29 +15,20 @@ from iva.identification.adequacy import (
     unexplained,
 )
 from iva.identification.combinations import in_words, null_directions
-from iva.identification.explaining import Explained, explained, with_chain
+from iva.identification.expected import HEADS, pull_of
+from iva.identification.explaining import Explained, with_chain
 from iva.identification.fits import Found
-from iva.identification.growing import Grown, grown, settled
+from iva.identification.growing import settled
 from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
-from iva.identification.priors import Bell, Between, Exactly, Prior
-from iva.identification.pulses import WIDE
+from iva.identification.priors import Bell, Exactly
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
 from iva.identification.stages import FOUND, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
+from iva.identification.trails import trailed
 from iva.identification.verdicts import check
 from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
 
-#: Number → place in the head of a record, and the factor from its unit to that of the head.
-HEADS = {
-    "frequency_hz": (OMEGA, 2 * np.pi),
-    "damping_ratio": (ZETA, 1.0),
-    "release": (RELEASE, 1.0),
-    "displacement": (SIZE, 1.0),
-}
-#: Periods and impacts of a record that is cut at a missed impact are more than these.
-FEW = 3
-LEAST_PERIODS = 2.0
 #: Draws of the record's own numbers.
 DRAWS = 500
 #: Scatter and play with which each impact is looked at by itself.
@@ -89,28 +80,8 @@ def identified(
         chain = recording.shape.chain.words(recording.sampling_hz)
     check(recording, None if given is None else given - clock, clock, floor)
     tell(LOOKED)
-    shown, best, beliefs = followed(recording, clock, floor, known)
-    notes, reasons = [], []
-    every = shown.refined.inputs.times
-    if best.hits < every.size:
-        if best.hits < 0.5 * every.size:
-            reasons.append("most impacts do not follow from those before as those of a free mass")
-        # Of a missed impact the later record would be explained by what is not there.
-        end = every[best.hits - 1] + (WIDE + 2) / recording.sampling_hz
-        notes.append(
-            f"the first {best.hits} of {every.size} impacts were used, up to {end + clock:.4g} s: "
-            "the next one does not follow from them, one may have been missed"
-        )
-        few = int(np.searchsorted(recording.time, end))
-        begun = replace(
-            recording,
-            time=recording.time[:few],
-            values=recording.values[:few],
-            weights=np.zeros(0),
-        )
-        periods = (end - shown.refined.inputs.head[RELEASE]) * shown.hertz
-        if periods > LEAST_PERIODS and best.hits > FEW:
-            shown, best, beliefs = followed(begun, clock, floor, known)
+    trail, notes, reasons = trailed(recording, clock, floor, known)
+    shown, best, beliefs = trail.shown, trail.grown, trail.beliefs
     inputs, covariance = shown.refined.inputs, shown.refined.covariance
     pull = pull_of(beliefs)
     used = contacts(inputs, covariance, best.hits, gap_velocity)
@@ -180,85 +151,6 @@ def identified(
         notes=tuple(notes),
         chain=chain,
     )
-
-
-def followed(
-    recording: Recording, clock: float, floor: float, known: Stated
-) -> tuple[Explained, Grown, Beliefs]:
-    """Return what explains a record, the absorber whose impacts follow, and the priors."""
-    fixed, expected = heads(known, clock)
-    shown = explained(recording, floor, fixed, expected)
-    inputs = shown.refined.inputs
-    beliefs = beliefs_of(known, abs(float(inputs.head[SIZE])))
-    pull = pull_of(beliefs)
-    every = contacts(
-        inputs,
-        shown.refined.covariance,
-        inputs.times.size,
-        known.taken.get("gap_velocity", 0.0),
-    )
-    nu, clearance, place, restitution = map(float, pull[0])
-    begin = Absorber(nu, clearance, place, restitution, scatter=0.1, play=0.01)
-    return shown, grown(every, begin, pull), beliefs
-
-
-def heads(known: Stated, clock: float) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:
-    """Return what is set and what is expected of the numbers of the record, by place."""
-    fixed: dict[int, float] = {}
-    expected: dict[int, tuple[float, float]] = {}
-    for name, (place, factor) in HEADS.items():
-        prior = known.priors.get(name)
-        shift = clock if name == "release" else 0.0
-        if isinstance(prior, Exactly):
-            fixed[place] = (prior.value - shift) * factor
-        elif isinstance(prior, Bell) and not prior.by_logarithm:
-            expected[place] = ((prior.middle - shift) * factor, prior.width * factor)
-    return fixed, expected
-
-
-def beliefs_of(known: Stated, size: float) -> Beliefs:
-    """Return the priors of the absorber; where nothing is known they are wide."""
-    gap = known.priors.get("gap")
-    wide = Between(0.01 * size, 20 * size, by_logarithm=True)
-    return Beliefs(
-        known.priors.get("mass_ratio", Between(1e-3, 1.0, by_logarithm=True)),
-        wide if gap is None else halved(gap),
-        known.priors.get("restitution", Between(0.0, 1.0)),
-        known.priors.get("gap_displacement"),
-    )
-
-
-def halved(gap: Prior) -> Prior:
-    """Return the prior of the clearance from that of the gap."""
-    if isinstance(gap, Exactly):
-        return Exactly(gap.value / 2)
-    if isinstance(gap, Between):
-        return Between(gap.low / 2, gap.high / 2, gap.by_logarithm)
-    assert isinstance(gap, Bell)
-    width = gap.width if gap.by_logarithm else gap.width / 2
-    return Bell(gap.middle / 2, width, gap.low / 2, gap.high / 2, gap.by_logarithm)
-
-
-def pull_of(beliefs: Beliefs) -> tuple[Values, Values]:
-    """Return mean and deviation of 1/μ, d, y₀ and e beforehand, as of normal distributions."""
-    shares = (0.1587, 0.5, 0.8413)
-    mass = [1 / beliefs.mass_ratio.at(share) for share in shares]
-    clearance = [beliefs.clearance.at(share) for share in shares]
-    restitution = [beliefs.restitution.at(share) for share in shares]
-    half = clearance[2] / np.sqrt(3)
-    place = [-half, 0.0, half]
-    if beliefs.place is not None:
-        place = [beliefs.place.at(share) for share in shares]
-    columns = np.array([mass, clearance, place, restitution])
-    deviation = np.abs(columns[:, 2] - columns[:, 0]) / 2
-    wide = np.array(
-        [
-            not isinstance(one, Bell | Exactly)
-            for one in (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)
-        ]
-    )
-    # Flat priors pull nowhere: the window has to find its way from far.
-    return columns[:, 1], np.where(wide, 10 * deviation, deviation)
 
 
 def shift(found: Contacts, absorber: Absorber, covariance: Values) -> Values:
@@ -394,4 +286,4 @@ def judged(
     return reasons + contact_law(float(scatter), float(play))
 
 
-__all__ = ["HEADS", "believed", "identified"]
+__all__ = ["believed", "identified"]

@@ -64,11 +64,13 @@ def smeared(recording: Recording, inputs: Inputs, rest: Values, noise: float) ->
     return int(np.max(np.abs(away)[stands], initial=0)) + 2
 
 
-def closed_by(recording: Recording, inputs: Inputs, dead: float) -> list[tuple[int, int]]:
+def closed_by(
+    recording: Recording, inputs: Inputs, dead: float, smear: int
+) -> list[tuple[int, int]]:
     """Return the samples around impacts and release at which no further impact is looked for."""
     rate = recording.sampling_hz
     places = np.rint(inputs.times * rate).astype(int)
-    beside = 3 if recording.order == 2 else int(dead * rate)
+    beside = 3 if recording.order == 2 else smear + 3
     near = [(int(place) - beside, int(place) + beside) for place in places]
     release, edge = int(inputs.head[RELEASE] * rate), int(dead * rate)
     return [*near, (release - edge, release + edge)]
