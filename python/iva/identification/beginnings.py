@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from iva.identification.pulses import REACH
+from iva.identification.chains import pulse_of
+from iva.identification.masking import dead_time
+from iva.identification.pulses import places_of
 from iva.identification.records import TREND, Recording
 from iva.identification.responses import Values, to_jump, to_release
 
@@ -113,6 +115,16 @@ def rough_frequency(values: Values, sampling_hz: float, order: int) -> float:
     return float(frequencies[int(np.argmax(height * frequencies ** (2 - order)))])
 
 
+def tails(recording: Recording, times: Values, jumps: Values) -> Values:
+    """Return the pulses of impacts as their chain has them, shape (n,)."""
+    made = np.zeros(recording.time.size + 1)
+    if recording.shape is not None and times.size:
+        samples, offset = places_of(times, recording.sampling_hz, recording.time.size)
+        heights = pulse_of(recording.shape.chain).height(offset)
+        np.add.at(made, samples, heights * jumps[:, None] * recording.sampling_hz)
+    return made[:-1]
+
+
 def scanned(
     recording: Recording,
     hertz: float,
@@ -128,10 +140,14 @@ def scanned(
     """
     step = max(1, recording.time.size // 3000)
     use = recording.time > release + 1 / recording.sampling_hz
+    near = dead_time(recording.sampling_hz, hertz)
     for time in times if recording.order else ():
-        use &= np.abs(recording.time - time) > REACH / recording.sampling_hz
+        use &= np.abs(recording.time - time) > near / recording.sampling_hz
     picked = np.flatnonzero(use)[::step]
-    time, values = recording.time[picked], recording.values[picked]
+    time, values = (
+        recording.time[picked],
+        (recording.values - tails(recording, times, jumps))[picked],
+    )
     trends = recording.trends[picked]
     trends = np.delete(trends, np.arange(recording.powers, TREND), axis=1)
     span = float(recording.time[-1] - release)

@@ -48,6 +48,8 @@ LOOSE = 0.05
 ONSET = 10.0
 #: Power of a line of the answer to impacts, over the median, that makes it a further mode.
 LINE = 60.0
+#: How far an impact may be from the middle of its pulse, in samples.
+OFF_MIDDLE = 0.01
 #: Least length of a record after the release, in periods.
 PERIODS = 1.2
 #: Rounds after which a record of which such a share is left over is not refined further.
@@ -59,6 +61,8 @@ ROUNDS = 20
 SEARCHES = {0: 2, 1: 5, 2: 2}
 #: Size of a pulse beside a larger one below which it is taken for what that one has left over.
 SHARE = 0.05
+#: Most impacts that are found anew where few were found before.
+ANEW = 3
 #: Most further modes.
 MODES = 2
 
@@ -121,21 +125,22 @@ def explained(
     else:
         hertz = rough_frequency(recording.values[after:], rate, order)
     span = float(recording.time[-1]) - max(start or 0.0, 0.0)
-    if span * hertz < PERIODS:
+    periods = span * hertz
+    if periods < PERIODS:
         raise ValueError(
             f"record: it ends {span:.3g} s after the release, less than {PERIODS:g} periods, or "
             "nothing in it oscillates; give a longer one"
         )
-    recording = replace(recording, powers=powers_of(span * hertz))
+    recording = replace(recording, powers=powers_of(periods))
     dead = dead_time(rate, hertz) / rate if order == 2 else SIDE / hertz
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
     times, jumps = seen_before or found_in(recording, recording.values, hertz, (edge,))
     if not times.size:
         raise ValueError(NO_IMPACT)
-    if not few_enough(times.size, span * hertz):
+    if not few_enough(times.size, periods):
         raise ValueError(
-            f"record: {times.size} pulses stand out of it in {span * hertz:.3g} periods, more than "
+            f"record: {times.size} pulses stand out of it in {periods:.3g} periods, more than "
             "a mass between two walls makes; give a record without what else strikes or rings"
         )
     omega, zeta, instant, size, _ = scanned(recording, hertz, first, times, jumps)
@@ -205,7 +210,9 @@ def explained(
             left = np.where(mask, rest, 0.0)
             share = 0.0
         more, sizes = found_in(recording, left, hertz, closed, inputs, noise, share)
-        if not more.size or not few_enough(inputs.times.size + more.size, span * hertz):
+        # Where as many again are found the motion is another one: those are no impacts.
+        count = inputs.times.size
+        if not 0 < more.size <= max(count, ANEW) or not few_enough(count + more.size, periods):
             break
         inputs = inputs.with_more(more, sizes)
     if inputs.vector().size != refined.inputs.vector().size:
@@ -217,6 +224,9 @@ def explained(
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known)
         inputs = refined.inputs
+    if order == 2:
+        places = np.arange(HEAD, HEAD + inputs.times.size)
+        refined.covariance[places, places] += (OFF_MIDDLE / rate) ** 2
     modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
 

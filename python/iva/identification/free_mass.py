@@ -19,7 +19,7 @@ from iva.identification.expected import HEADS, pull_of
 from iva.identification.explaining import Explained, with_chain
 from iva.identification.fits import Found
 from iva.identification.growing import settled
-from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
+from iva.identification.posterior import Beliefs, Draws, best_scatter, from_priors, sampled
 from iva.identification.priors import Bell, Exactly
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
@@ -29,6 +29,10 @@ from iva.identification.trails import trailed
 from iva.identification.verdicts import check
 from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
 
+NO_TRAIL = (
+    "most impacts do not follow from those before as those of a free mass, so that nothing is "
+    "known of the absorber"
+)
 #: Draws of the record's own numbers.
 DRAWS = 500
 #: Scatter and play with which each impact is looked at by itself.
@@ -80,7 +84,8 @@ def identified(
         chain = recording.shape.chain.words(recording.sampling_hz)
     check(recording, None if given is None else given - clock, clock, floor)
     tell(LOOKED)
-    trail, notes, reasons = trailed(recording, clock, floor, known)
+    trail, notes, follow = trailed(recording, clock, floor, known)
+    reasons = [] if follow else [NO_TRAIL]
     shown, best, beliefs = trail.shown, trail.grown, trail.beliefs
     inputs, covariance = shown.refined.inputs, shown.refined.covariance
     pull = pull_of(beliefs)
@@ -92,7 +97,8 @@ def identified(
     moved[places] += shift(used, middle, covariance[np.ix_(places, places)])
     used = contacts(inputs, covariance, best.hits, gap_velocity, moved)
     tell(FOUND)
-    drawn = sampled(used, beliefs, middle, pull, seed)
+    # Of few impacts that most others do not follow little is learned, and it takes long.
+    drawn = sampled(used, beliefs, middle, pull, seed) if follow else from_priors(beliefs, seed)
     tell(SAMPLED)
     head, each = together(
         used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed
@@ -116,7 +122,7 @@ def identified(
     words: tuple[str, ...] = ()
     if drawn.possible:
         words = combinations_of(used, middle, pull, beliefs)
-    else:
+    elif follow:
         reasons.append(
             "the first impacts are those of no free mass, so that nothing is known of the absorber"
         )

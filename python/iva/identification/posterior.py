@@ -219,4 +219,4 @@ def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_
     return draw
 
 
-__all__ = ["Beliefs", "Draws", "best_scatter", "sampled"]
+__all__ = ["Beliefs", "Draws", "best_scatter", "from_priors", "sampled"]

@@ -28,6 +28,10 @@ BESIDE = 2.5
 #: has fallen to a third.
 SHAPES = 0.15
 FADING = 15.0
+#: How far a pulse may be lopsided, over how far it may be otherwise, if its filter is symmetrical:
+#: an odd part with long tails stands for a delay of the pulses that the motion has not.
+LOPSIDED = 0.1
+HALVED = np.sqrt(0.5)
 
 
 @dataclass(frozen=True)
@@ -42,11 +46,10 @@ class Shape:
 
     @cached_property
     def sincs(self) -> Values:
-        """Places of the sinc functions in samples from the impact, but for the middle three."""
+        """Places of pairs of sinc functions in samples from the impact, but for the middle ones."""
         if self.chain.kind == "none":
             return np.zeros(0)
-        places: Values = np.arange(-REACH, REACH + 1).astype(np.float64)
-        return places[np.abs(places) > 1]
+        return np.arange(2, REACH + 1).astype(np.float64)
 
     @cached_property
     def splines(self) -> Values:
@@ -61,13 +64,14 @@ class Shape:
     def size(self) -> int:
         """Number of shares: of the sinc functions, of the middle one, of the splines."""
         middle = 1 if self.sincs.size else 0
-        return self.sincs.size + middle + max(self.splines.size - 2 * (1 - middle), 0)
+        return 2 * self.sincs.size + middle + max(self.splines.size - 2 * (1 - middle), 0)
 
     def deviations(self) -> Values:
         """Return how large each share may be, shape (size,)."""
-        made = SHAPES * np.exp(-np.abs(self.sincs) / FADING)
+        made = SHAPES * np.exp(-self.sincs / FADING)
         if self.sincs.size:
-            return np.concatenate([made, np.full(1 + self.splines.size, SHAPES)])
+            odd = made if self.chain.kind == "causal" else LOPSIDED * made
+            return np.concatenate([made, odd, np.full(1 + self.splines.size, SHAPES)])
         return np.full(self.size, SHAPES)
 
     def basis(self, offset: Values) -> tuple[Values, Values]:
@@ -79,11 +83,14 @@ class Shape:
             odd, odd_slope = (side[..., 2:3] - side[..., 0:1] for side in (value, slope))
             even = value[..., 2:3] + value[..., 0:1] - 2 * middle
             even_slope = slope[..., 2:3] + slope[..., 0:1] - 2 * middle_slope
-            far, far_slope = sincs(offset, self.sincs)
-            parts += [far, even]
-            slopes += [far_slope, even_slope]
-            areas += [np.ones(self.sincs.size), np.zeros(1)]
-            moments += [self.sincs, np.zeros(1)]
+            pairs = [sincs(offset, side * self.sincs) for side in (1.0, -1.0)]
+            (after, after_slope), (before, before_slope) = pairs
+            parts += [(after + before) * HALVED, (after - before) * HALVED, even]
+            slopes += [(after_slope + before_slope) * HALVED]
+            slopes += [(after_slope - before_slope) * HALVED, even_slope]
+            none = np.zeros(self.sincs.size)
+            areas += [none + 2 * HALVED, none, np.zeros(1)]
+            moments += [none, 2 * HALVED * self.sincs, np.zeros(1)]
         if self.splines.size:
             value, slope = spline((offset[..., None] - self.splines) * DENSE)
             slope = slope * DENSE

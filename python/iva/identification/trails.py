@@ -66,8 +66,10 @@ class Trail:
 
 def trailed(
     recording: Recording, clock: float, floor: float, known: Stated
-) -> tuple[Trail, list[str], list[str]]:
-    """Return what explains a record up to where its trail of impacts ends, notes and reasons.
+) -> tuple[Trail, list[str], bool]:
+    """Return what explains a record up to where its trail of impacts ends, and notes.
+
+    Last is whether most of the impacts that are seen follow each other.
 
     Parameters
     ----------
@@ -116,9 +118,7 @@ def trailed(
     notes = [words] if words else []
     if best.shown.recording.time[-1] < until and not words:
         notes = [f"the record was used up to {best.shown.recording.time[-1] + clock:.4g} s"]
-    if best.grown.hits < MOST * whole.inputs.times.size:
-        return best, notes, ["most impacts do not follow from those before as those of a free mass"]
-    return best, notes, []
+    return best, notes, best.grown.hits >= MOST * whole.inputs.times.size
 
 
 def followed(
