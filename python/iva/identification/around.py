@@ -136,6 +136,14 @@ def sampled(gauss: Gauss, prior: Prior, seed: int) -> Values:
     return np.array([draw(cube) for cube in run.results.samples_equal(rstate=random)])
 
 
+def about(restitutions: Values, scatter: float, seed: int) -> Values:
+    """Return rough draws of mean restitution and its scatter, shape (n, 2), from those found."""
+    random = np.random.default_rng(seed)
+    mean = float(np.mean(restitutions))
+    each = mean * (1 + scatter / np.sqrt(restitutions.size) * random.standard_normal(DRAWS))
+    return np.column_stack([np.clip(each, 1e-3, 1.0), np.full(DRAWS, scatter)])
+
+
 def drawn(
     target: Target, made: Shot, gauss: Gauss, hyper: Values, clock: float, seed: int
 ) -> tuple[dict[str, Values], Values]:
@@ -215,4 +223,4 @@ def combinations_of(target: Target, gauss: Gauss, hyper: Values, known: Stated) 
     return tuple(in_words(directions[:, column], chosen) for column in range(directions.shape[1]))
 
 
-__all__ = ["Gauss", "combinations_of", "drawn", "gauss_of", "sampled", "untied"]
+__all__ = ["Gauss", "about", "combinations_of", "drawn", "gauss_of", "sampled", "untied"]

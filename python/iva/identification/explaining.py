@@ -54,6 +54,8 @@ OFF_MIDDLE = 0.01
 PERIODS = 1.2
 #: Rounds after which a record of which such a share is left over is not refined further.
 HOPELESS, UNLIKE = 4, 0.1
+#: Rounds after which noise and roughness that do not settle are taken as they are.
+PATIENCE = 5
 #: Most rounds of refinement.
 ROUNDS = 20
 #: How often impacts are looked for in what is left over, by order: in a velocity small ones show
@@ -166,6 +168,7 @@ def explained(
     smear = min(REACH, max(int(SMEAR * rate / hertz), 2))
     searches_left = SEARCHES[order]
     by_motion: Values | None = None
+    patience = PATIENCE
     for attempt in range(ROUNDS):
         mask = masked(recording, inputs, begin is None and start is None, smear)
         known = known_of(recording, inputs, fixed, priors, width)
@@ -184,17 +187,21 @@ def explained(
         noise, roughness = spread(recording, inputs, rest, mask, floor)
         if order == 1 and attempt > 0:
             smear = smeared(recording, inputs, rest, noise)
-        if attempt >= HOPELESS and noise > UNLIKE * float(np.std(recording.values[mask])):
-            break
+        hopeless = attempt >= HOPELESS and noise > UNLIKE * float(np.std(recording.values[mask]))
         # Not all at once: sharp pulses far from where they belong find no way back.
         roughness = max(roughness, before[1] / 3)
-        if attempt < 2 or abs(noise / before[0] - 1) > 0.05 or roughness < 0.8 * before[1]:
+        settling = abs(noise / before[0] - 1) > 0.05 or roughness < 0.8 * before[1]
+        patience -= 1
+        if attempt < 2 or (settling and patience > 0 and not hopeless):
             continue
+        patience = PATIENCE
         searches = order == 2 and len(inputs.modes) < MODES
         line = further_mode(recording, inputs, rest, mask) if searches else None
         if line is not None:
             inputs = replace(inputs, modes=np.vstack([inputs.modes, line]))
             continue
+        if hopeless:
+            break
         inputs = pruned(recording, refined)
         if inputs.times.size < refined.inputs.times.size:
             # Pulses that move find their places only while they need not agree to the last digit.

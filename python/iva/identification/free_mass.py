@@ -19,13 +19,13 @@ from iva.identification.expected import HEADS, pull_of
 from iva.identification.explaining import Explained, with_chain
 from iva.identification.fits import Found
 from iva.identification.growing import settled
-from iva.identification.posterior import Beliefs, Draws, best_scatter, from_priors, sampled
+from iva.identification.posterior import Beliefs, Draws, about, best_scatter, from_priors, sampled
 from iva.identification.priors import Bell, Exactly
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
-from iva.identification.stages import FOUND, LOOKED, SAMPLED, Tell
+from iva.identification.stages import FOUND, INTERRUPTED, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
-from iva.identification.trails import trailed
+from iva.identification.trails import Told, trailed
 from iva.identification.verdicts import check
 from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
 
@@ -75,7 +75,6 @@ def identified(
         raise ValueError(
             "record.quantity = 'displacement': of a free mass give an acceleration or a velocity"
         )
-    gap_velocity = known.taken.get("gap_velocity", 0.0)
     chain, given = "", known.exactly("release")
     recording = with_chain(recording, None if given is None else given - clock)
     if recording.shape is not None:
@@ -84,11 +83,33 @@ def identified(
         chain = recording.shape.chain.words(recording.sampling_hz)
     check(recording, None if given is None else given - clock, clock, floor)
     tell(LOOKED)
-    trail, notes, follow = trailed(recording, clock, floor, known)
-    reasons = [] if follow else [NO_TRAIL]
-    shown, best, beliefs = trail.shown, trail.grown, trail.beliefs
+    told = trailed(recording, clock, floor, known)
+    done = (recording, clock, floor, known, seed, told, chain)
+    try:
+        return concluded(*done, None if told.interrupted else tell)
+    except KeyboardInterrupt:
+        return concluded(*done, None)
+
+
+def concluded(
+    recording: Recording,
+    clock: float,
+    floor: float,
+    known: Stated,
+    seed: int,
+    told: Told,
+    chain: str,
+    tell: Tell | None,
+) -> Found:
+    """Return what a trail of impacts says of a free mass.
+
+    Without `tell` the identification was interrupted: the sampler, which takes long, is left out.
+    """
+    notes, reasons = list(told.notes), [] if told.follow else [NO_TRAIL]
+    shown, best, beliefs = told.trail.shown, told.trail.grown, told.trail.beliefs
     inputs, covariance = shown.refined.inputs, shown.refined.covariance
     pull = pull_of(beliefs)
+    gap_velocity = known.taken.get("gap_velocity", 0.0)
     used = contacts(inputs, covariance, best.hits, gap_velocity)
     middle, _ = best_scatter(used, best.absorber, pull)
     # The walls move the record's numbers a little: the conditions are linearised there.
@@ -96,10 +117,17 @@ def identified(
     places = kept(inputs.times.size, best.hits)
     moved[places] += shift(used, middle, covariance[np.ix_(places, places)])
     used = contacts(inputs, covariance, best.hits, gap_velocity, moved)
-    tell(FOUND)
-    # Of few impacts that most others do not follow little is learned, and it takes long.
-    drawn = sampled(used, beliefs, middle, pull, seed) if follow else from_priors(beliefs, seed)
-    tell(SAMPLED)
+    if tell is None:
+        drawn = about(used, beliefs, middle, pull, seed)
+        reasons.append(INTERRUPTED)
+    else:
+        tell(FOUND)
+        # Of few impacts that most others do not follow little is learned, and it takes long.
+        if told.follow:
+            drawn = sampled(used, beliefs, middle, pull, seed)
+        else:
+            drawn = from_priors(beliefs, seed)
+        tell(SAMPLED)
     head, each = together(
         used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed
     )
@@ -122,7 +150,7 @@ def identified(
     words: tuple[str, ...] = ()
     if drawn.possible:
         words = combinations_of(used, middle, pull, beliefs)
-    elif follow:
+    elif told.follow:
         reasons.append(
             "the first impacts are those of no free mass, so that nothing is known of the absorber"
         )

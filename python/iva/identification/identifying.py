@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
@@ -96,6 +97,9 @@ def identify(
         absorber, begins in motion without a known release, or is of a quantity that does not tell.
     ImportError
         If dynesty is not installed.
+    KeyboardInterrupt
+        If it is interrupted before impacts were found that follow each other. After that the fit so
+        far is returned; it is not adequate, and its reasons say so.
 
     Examples
     --------
@@ -131,7 +135,8 @@ def identify(
         with np.errstate(all="ignore"), reporting(progress) as report:
             tell = telling(report)
             found = find(recording, clock, floor, facts, seed, tell)
-            tell(STAGES)
+            with suppress(KeyboardInterrupt):  # All is found.
+                tell(STAGES)
     except np.linalg.LinAlgError:
         raise ValueError(
             "record: the fit broke down, its numbers do not determine a model; give a longer "

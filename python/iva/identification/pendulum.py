@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
-from iva.identification.around import combinations_of, drawn, gauss_of, sampled, untied
+from iva.identification.around import about, combinations_of, drawn, gauss_of, sampled, untied
 from iva.identification.beginnings import let_go, onset, rough_frequency
 from iva.identification.fits import Found
 from iva.identification.kinks import SIDE, kinks_in
@@ -20,7 +20,7 @@ from iva.identification.records import Recording
 from iva.identification.responses import Values
 from iva.identification.searching import candidates
 from iva.identification.shooting import UNFIT, Shot, Target, grown, shot
-from iva.identification.stages import FOUND, LOOKED, SAMPLED, Tell
+from iva.identification.stages import FOUND, INTERRUPTED, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
 from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig
 
@@ -83,11 +83,15 @@ def identified(
     made = shot(target, made.numbers, made.restitutions, made.until, steps=4, scatter=scatter)
     gauss = gauss_of(target, made)
     belief = known.priors.get("restitution", Between(0.0, 1.0))
-    tell(FOUND)
-    hyper = sampled(gauss, belief, seed)
-    tell(SAMPLED)
-    draws, each = drawn(target, made, gauss, hyper, clock, seed)
     notes, reasons = [], []
+    try:
+        tell(FOUND)
+        hyper = sampled(gauss, belief, seed)
+        tell(SAMPLED)
+    except KeyboardInterrupt:
+        hyper = about(made.restitutions, scatter, seed)
+        reasons.append(INTERRUPTED)
+    draws, each = drawn(target, made, gauss, hyper, clock, seed)
     end = float(target.time[-1])
     if made.until < end:
         notes.append(

@@ -192,6 +192,28 @@ def sampled(
     return Draws(np.array([draw(cube)[0] for cube in cubes]), int(np.sum(results.ncall)))
 
 
+def about(
+    found: Contacts, beliefs: Beliefs, middle: Absorber, pull: tuple[Values, Values], seed: int
+) -> Draws:
+    """Return draws of a normal distribution about the most likely absorber; as :func:`sampled`."""
+    best, _, information = settled(found, middle, pull)
+    free = ~np.array(fixed_of(beliefs))
+    weight = np.where(pull[1] > 0, 1 / np.maximum(pull[1], 1e-12), 0.0) ** 2
+    curved = (information + np.diag(weight))[np.ix_(free, free)]
+    scale = np.sqrt(np.maximum(np.diag(curved), 1e-300))
+    values, axes = np.linalg.eigh(curved / np.outer(scale, scale))
+    root = axes / np.sqrt(np.maximum(values, 1e-12))
+    centre = np.array([best.heaviness, best.clearance, best.place, best.restitution])
+    made = np.tile(np.concatenate([centre, [middle.scatter, middle.play]]), (TRIED, 1))
+    random = np.random.default_rng(seed)
+    moves = random.standard_normal((TRIED, int(free.sum()))) @ root.T / scale
+    made[:, np.flatnonzero(free)] += moves
+    made[:, :2] = np.maximum(made[:, :2], 0.1 * centre[:2])
+    made[:, 2] = np.clip(made[:, 2], -made[:, 1], made[:, 1])
+    made[:, 3] = np.clip(made[:, 3], 1e-3, 1.0)
+    return Draws(made, 0)
+
+
 def from_priors(beliefs: Beliefs, seed: int) -> Draws:
     """Return draws of what was known before, for impacts that no absorber makes."""
     shares = np.random.default_rng(seed).random((TRIED, 6))
@@ -219,4 +241,4 @@ def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_
     return draw
 
 
-__all__ = ["Beliefs", "Draws", "best_scatter", "from_priors", "sampled"]
+__all__ = ["Beliefs", "Draws", "about", "best_scatter", "from_priors", "sampled"]

@@ -11,6 +11,8 @@ from iva.progress import Report
 Tell: TypeAlias = Callable[[int], None]
 #: The stages: the record is looked at, its impacts are found, the absorber is sampled, all is told.
 LOOKED, FOUND, SAMPLED, STAGES = 1, 2, 3, 4
+#: Why a fit is not adequate that was interrupted after the first impacts had been found.
+INTERRUPTED = "interrupted: these are the numbers that fit best so far, their intervals are rough"
 
 
 def telling(report: Report | None) -> Tell:
@@ -23,4 +25,4 @@ def telling(report: Report | None) -> Tell:
     return tell
 
 
-__all__ = ["FOUND", "LOOKED", "SAMPLED", "STAGES", "Tell", "telling"]
+__all__ = ["FOUND", "INTERRUPTED", "LOOKED", "SAMPLED", "STAGES", "Tell", "telling"]

@@ -64,12 +64,18 @@ class Trail:
         return bool(last * self.shown.hertz > LEAST_PERIODS and self.grown.hits > FEW)
 
 
-def trailed(
-    recording: Recording, clock: float, floor: float, known: Stated
-) -> tuple[Trail, list[str], bool]:
-    """Return what explains a record up to where its trail of impacts ends, and notes.
+@dataclass(frozen=True)
+class Told:
+    """A trail, notes on it, whether most impacts follow, and whether one was interrupted."""
 
-    Last is whether most of the impacts that are seen follow each other.
+    trail: Trail
+    notes: list[str]
+    follow: bool
+    interrupted: bool = False
+
+
+def trailed(recording: Recording, clock: float, floor: float, known: Stated) -> Told:
+    """Return what explains a record up to where its trail of impacts ends.
 
     Parameters
     ----------
@@ -81,44 +87,55 @@ def trailed(
         Least standard deviation of the noise.
     known : Stated
         What is known beforehand.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If it is interrupted before there is a trail.
     """
     until = target = float(recording.time[-1])
-    whole = window = followed(recording, clock, floor, known)
-    best, words, stride = whole, "", LONGER
-    for _ in range(WINDOWS):
-        end, told = ending(window, target)
-        spoiled = recording.order == 1 and not window.follows
-        made = None
-        if not spoiled and not end < target:
-            made, words = window, ""
-        elif spoiled and best is whole and window.inputs.times.size > 2 * FEW:
-            # What is missed late spoils all.
-            times = window.inputs.times
-            target = float(times[times.size // 2]) - CLOSE / recording.sampling_hz
-            window = followed(cut(recording, target), clock, floor, known)
-            continue
-        elif window.long:
-            part = followed(cut(recording, end), clock, floor, known, before(window, end))
-            if best is whole or part.grown.hits > best.grown.hits:
-                made, words = part, told.format(end + clock)
-        if made is None and (best is whole or stride == 1.0):
-            break
-        if made is not None:
-            best = made
-        if recording.order == 2 or (made is window and not target < until):
-            break
-        # By long windows, and where these fail by single impacts.
-        stride = 1.0 if made is None else LONGER
-        ahead = next_after(best.inputs, best.grown.hits, best.grown.absorber, until)
-        begin = float(best.inputs.head[RELEASE])
-        target = begin + stride * (float(best.shown.recording.time[-1]) - begin)
-        target = min(max(target, ahead[0] + AFTER / best.shown.hertz), until)
-        seen = continued(best, whole, ahead, target)
-        window = followed(cut(recording, target), clock, floor, known, seen)
-    notes = [words] if words else []
-    if best.shown.recording.time[-1] < until and not words:
-        notes = [f"the record was used up to {best.shown.recording.time[-1] + clock:.4g} s"]
-    return best, notes, best.grown.hits >= MOST * whole.inputs.times.size
+
+    def follow(end: float, seen: tuple[Values, Values] | None = None) -> Trail:
+        return followed(cut(recording, end), clock, floor, known, seen)
+
+    whole = window = follow(until)
+    best, words, stride, interrupted = whole, "", LONGER, False
+    try:
+        for _ in range(WINDOWS):
+            end, told = ending(window, target)
+            spoiled = recording.order == 1 and not window.follows
+            made = None
+            if not spoiled and not end < target:
+                made, words = window, ""
+            elif spoiled and best is whole and window.inputs.times.size > 2 * FEW:
+                # What is missed late spoils all.
+                times = window.inputs.times
+                target = float(times[times.size // 2]) - CLOSE / recording.sampling_hz
+                window = follow(target)
+                continue
+            elif window.long:
+                part = follow(end, before(window, end))
+                if best is whole or part.grown.hits > best.grown.hits:
+                    made, words = part, told.format(end + clock)
+            if made is None and (best is whole or stride == 1.0):
+                break
+            best = best if made is None else made
+            if recording.order == 2 or (made is window and not target < until):
+                break
+            # By long windows, and where these fail by single impacts.
+            stride = 1.0 if made is None else LONGER
+            ahead = next_after(best.inputs, best.grown.hits, best.grown.absorber, until)
+            begin, last = float(best.inputs.head[RELEASE]), float(best.shown.recording.time[-1])
+            target = begin + stride * (last - begin)
+            target = min(max(target, ahead[0] + AFTER / best.shown.hertz), until)
+            window = follow(target, continued(best, whole, ahead, target))
+    except KeyboardInterrupt:
+        interrupted = True
+    last = float(best.shown.recording.time[-1])
+    if last < until and not words:
+        words = f"the record was used up to {last + clock:.4g} s"
+    follows = best.grown.hits >= MOST * whole.inputs.times.size
+    return Told(best, [words] if words else [], follows, interrupted)
 
 
 def followed(
@@ -218,4 +235,4 @@ def continued(
     return times[order], np.concatenate([own.jumps[:hits], jumps])[order]
 
 
-__all__ = ["Trail", "trailed"]
+__all__ = ["Told", "Trail", "trailed"]
