@@ -34,6 +34,7 @@ class Truth:
     gap_displacement: float = 0.0
     release: float = 0.0  # on the clock of the record, in s
     scatter: float = 0.0  # relative standard deviation of restitution from impact to impact
+    blow: float = 0.0  # velocity that a blow gives the structure, from rest at 0
     falling: float = 0.0  # e(w) = restitution · (1 − falling · |w| / v), v = ω x0
 
 
@@ -45,6 +46,7 @@ class Chain:
     seconds: float = 4.0
     quantity: str = "acceleration"
     contact: float = 0.8e-3
+    hammer: float = 3e-3  # length of a blow
     noise: float = 0.05
     bit: float = 0.001
     offset: float = 0.0
@@ -91,6 +93,8 @@ def flights(truth: Truth, seconds: float, law: Callable[[float], float]) -> list
 
     held = amplitude(place.real, speed)
     mass, mass_speed = truth.displacement + truth.gap_displacement, 0.0
+    if truth.blow:
+        held, mass = amplitude(0.0, truth.blow), truth.gap_displacement
     now, found = 0.0, []
     step = 1 / truth.frequency_hz / 400
     grid = np.arange(1, 2000) * step
@@ -134,7 +138,7 @@ def flights(truth: Truth, seconds: float, law: Callable[[float], float]) -> list
 
 def law_of(truth: Truth, random: np.random.Generator) -> Callable[[float], float]:
     """Return restitution as a function of the approach speed, one draw a call."""
-    scale = 2 * np.pi * truth.frequency_hz * abs(truth.displacement)
+    scale = abs(truth.blow) or 2 * np.pi * truth.frequency_hz * abs(truth.displacement)
 
     def law(speed: float) -> float:
         e = truth.restitution * (1 - truth.falling * speed / scale)
@@ -168,15 +172,15 @@ def record(truth: Truth, chain: Chain) -> Planted:
         total = total * truth.displacement
     else:
         total = -(omega**2) * truth.displacement * ringing(fine, order - 1)
+    if truth.blow:
+        total = truth.blow * ringing(fine, order)
+        if order == 2:
+            total = total + truth.blow * half_sine(fine, step, chain.hammer)
     for impact in impacts:
         since = fine - impact["time"]
         total = total + impact["jump"] * ringing(since, order)
         if order == 2:
-            edges = np.clip(
-                (since + np.array([[-step / 2], [step / 2]])) / chain.contact, -0.5, 0.5
-            )
-            share = np.sin(np.pi * edges) / 2  # integral of the half sine, centred on the impact
-            total = total + impact["jump"] * (share[1] - share[0]) / step
+            total = total + impact["jump"] * half_sine(since, step, chain.contact)
             if chain.ringing is not None:
                 hertz, damping, part = chain.ringing
                 own = 2 * np.pi * hertz
@@ -193,6 +197,14 @@ def record(truth: Truth, chain: Chain) -> Planted:
     values = values + chain.noise * random.standard_normal(count)
     values = np.round(values / chain.bit) * chain.bit if chain.bit > 0 else values
     return Planted(time, values, chain.quantity, chain.sampling_hz, truth, impacts)
+
+
+def half_sine(since: Values, step: float, length: float) -> Values:
+    """Return a half sine of area 1 about 0, averaged over steps, in 1/s."""
+    edges = np.clip((since + np.array([[-step / 2], [step / 2]])) / length, -0.5, 0.5)
+    share = np.sin(np.pi * edges) / 2  # the integral
+    made: Values = (share[1] - share[0]) / step
+    return made
 
 
 def filtered(values: Values, chain: Chain) -> Values:

@@ -272,8 +272,15 @@ def test_what_is_not_fitted_is_refused() -> None:
     made = record(RIG, Chain(seconds=0.6))
     with pytest.raises(ValueError, match=r"^absorber.restitution_minus = 0.5: leave it out"):
         identify(made, iva.Siva(restitution=0.6, restitution_minus=0.5), iva.Primary())
-    with pytest.raises(ValueError, match=r"^start.impulse = 1.0: a start by a blow is not identif"):
+    with pytest.raises(ValueError, match=r"^start.impulse = 1.0: give primary.mass too"):
         identify(made, iva.Siva(), iva.Primary(), start=iva.Start(impulse=1.0))
+    blow = iva.Start(impulse_velocity=0.3)
+    for absorber in (None, iva.Piva()):
+        with pytest.raises(ValueError, match=r"^start.impulse_velocity: .* with a free mass only"):
+            identify(made, absorber, iva.Primary(), start=blow)
+    known = {"displacement_mm": iva.sampling.Uniform(1, 2)}
+    with pytest.raises(ValueError, match=r"^start.displacement: .* is at rest at 0 before"):
+        identify(made, iva.Siva(), iva.Primary(), start=blow, known=known)
     with pytest.raises(ValueError, match=r"^start.velocity = 0.1: it must be 0"):
         identify(made, iva.Siva(), iva.Primary(), start=iva.Start(velocity=0.1))
     with pytest.raises(TypeError, match=r"^absorber = 3: give an iva.Siva, an iva.Piva, or None"):

@@ -42,7 +42,8 @@ def next_after(
     at = np.concatenate([[last + 1e-3 * step], time])
 
     def motion(order: int) -> Values:
-        free = to_release(omega, zeta, 0.0, order).total(at, np.array([release]), np.array([size]))
+        begun = to_jump if inputs.blow else to_release
+        free = begun(omega, zeta, 0.0, order).total(at, np.array([release]), np.array([size]))
         struck = to_jump(omega, zeta, 0.0, order)
         return free + struck.total(at, inputs.times[:hits], inputs.jumps[:hits])
 

@@ -26,6 +26,7 @@ ROWS = {
     "frequency_ratio": ("frequency_ratio", 1.0),
     "displacement": ("displacement_mm", 1e3),
     "velocity": ("velocity", 1.0),
+    "impulse_velocity": ("impulse_velocity", 1.0),
     "gap_displacement": ("gap_displacement_mm", 1e3),
     "release": ("release_s", 1.0),
     "restitution_scatter": ("restitution_scatter", 1.0),
@@ -72,14 +73,23 @@ def fit_of(
         primary=Primary(
             frequency_hz=middle["frequency_hz"], damping_ratio=max(middle["damping_ratio"], 0.0)
         ),
-        start=Start(
-            displacement=middle["displacement_mm"] / 1e3,
-            velocity=middle.get("velocity"),
-            gap_displacement=None if kind is None else middle["gap_displacement_mm"] / 1e3,
-            **begin,
-        ),
+        start=begun(middle, kind is not None, begin),
         duration=float(recording.time[-1] + clock - release),
         chain=found.chain,
+    )
+
+
+def begun(middle: dict[str, float], has_absorber: bool, begin: dict[str, float]) -> Start:
+    """Return the state after the release, or after a blow, which leaves the mass at rest."""
+    place = middle["gap_displacement_mm"] / 1e3 if has_absorber else None
+    if "impulse_velocity" in middle:
+        speed = middle["impulse_velocity"]
+        return Start(velocity=speed, gap_velocity=-speed, gap_displacement=place, **begin)
+    return Start(
+        displacement=middle["displacement_mm"] / 1e3,
+        velocity=middle.get("velocity"),
+        gap_displacement=place,
+        **begin,
     )
 
 

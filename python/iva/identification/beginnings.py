@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from iva.identification.chains import pulse_of
-from iva.identification.masking import dead_time
+from iva.identification.masking import BLOW, dead_time
 from iva.identification.pulses import places_of
 from iva.identification.records import TREND, Recording
 from iva.identification.responses import Values, to_jump, to_release
@@ -139,7 +139,8 @@ def scanned(
     and hum.
     """
     step = max(1, recording.time.size // 3000)
-    use = recording.time > release + 1 / recording.sampling_hz
+    hidden = BLOW / hertz if recording.blow else 1 / recording.sampling_hz
+    use = recording.time > release + hidden
     near = dead_time(recording.sampling_hz, hertz)
     for time in times if recording.order else ():
         use &= np.abs(recording.time - time) > near / recording.sampling_hz
@@ -174,6 +175,13 @@ def scanned(
             if cost < best[0]:
                 size, speed = answer[0], answer[1]
                 # x0 cos ωt + (v/ω) sin ωt is a release somewhat later.
+                if recording.blow:
+                    # And a blow where the displacement is 0.
+                    sign = 1.0 if speed >= 0 else -1.0
+                    shift = float(np.arctan2(-sign * size, sign * speed / omega) / omega)
+                    most = sign * float(np.hypot(size * omega, speed))
+                    best = (cost, omega, zeta, release + shift, most)
+                    continue
                 shift = float(np.arctan2(speed / omega, size) / omega)
                 best = (cost, omega, zeta, release + shift, float(np.hypot(size, speed / omega)))
                 if size < 0:

@@ -16,6 +16,7 @@ HEADS = {
     "damping_ratio": (ZETA, 1.0),
     "release": (RELEASE, 1.0),
     "displacement": (SIZE, 1.0),
+    "impulse_velocity": (SIZE, 1.0),
 }
 
 

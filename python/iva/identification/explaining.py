@@ -13,6 +13,7 @@ from iva.identification.detection import pulses_in
 from iva.identification.instants import Seen, covered, seen, short, with_seen, without
 from iva.identification.kinks import SIDE, kinks_in
 from iva.identification.masking import (
+    BLOW,
     SMEAR,
     closed_by,
     dead_time,
@@ -135,9 +136,11 @@ def explained(
         )
     recording = replace(recording, powers=powers_of(periods))
     dead = dead_time(rate, hertz) / rate if order == 2 else SIDE / hertz
+    dead = BLOW / hertz if recording.blow else dead
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
-    times, jumps = seen_before or found_in(recording, recording.values, hertz, (edge,))
+    values = bridged(recording.values, *edge) if recording.blow else recording.values
+    times, jumps = seen_before or found_in(recording, values, hertz, (edge,))
     if not times.size:
         raise ValueError(NO_IMPACT)
     if not few_enough(times.size, periods):
@@ -162,7 +165,8 @@ def explained(
     pulse = np.zeros(0 if shape is None else shape.size)
     widths = np.zeros(0 if shape is None else times.size)
     hum = np.zeros(2 * len(recording.hum_hz))
-    inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse, widths)
+    modes = np.zeros((0, MODE))
+    inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, modes, pulse, widths, recording.blow)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
     width = UNKNOWN if shape is not None and shape.chain.kind == "none" else WIDTHS
     smear = min(REACH, max(int(SMEAR * rate / hertz), 2))
@@ -212,10 +216,10 @@ def explained(
         searches_left -= 1
         closed = tuple(closed_by(recording, inputs, dead, smear))
         left, share = rest, min(SHARE, 10 * roughness)
-        if order == 1 or told is not None:
+        if order == 1 or told is not None or recording.blow:
             # There is no model for samples that do not count.
             left = np.where(mask, rest, 0.0)
-            share = 0.0
+            share = share if order == 2 and told is None else 0.0
         more, sizes = found_in(recording, left, hertz, closed, inputs, noise, share)
         # Where as many again are found the motion is another one: those are no impacts.
         count = inputs.times.size
@@ -236,6 +240,14 @@ def explained(
         refined.covariance[places, places] += (OFF_MIDDLE / rate) ** 2
     modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
+
+
+def bridged(values: Values, first: int, last: int) -> Values:
+    """Return values with a straight line between two samples."""
+    made = values.copy()
+    first, last = max(first, 0), min(last, values.size - 1)
+    made[first : last + 1] = np.linspace(made[first], made[last], last - first + 1)
+    return made
 
 
 def placed(
@@ -330,6 +342,8 @@ def found_in(
     rate, found = recording.sampling_hz, (np.zeros(0), np.zeros(0))
     if recording.order == 1:
         found = steps_in(values, rate, closed, noise or 0.0)
+        if recording.blow and noise is None:
+            return found  # A kink is looked for in windows that the blow would fill.
         values = smooth_of(values, rate, hertz, *found)
         beside = 2 * SMEARED
         places = np.rint(found[0] * rate).astype(int)

@@ -76,6 +76,7 @@ def identified(
             "record.quantity = 'displacement': of a free mass give an acceleration or a velocity"
         )
     chain, given = "", known.exactly("release")
+    recording = replace(recording, blow=known.blow)
     recording = with_chain(recording, None if given is None else given - clock)
     if recording.shape is not None:
         # A filter that delays the motion delays the clock.
@@ -138,7 +139,7 @@ def concluded(
         "mass_ratio": 1 / drawn.numbers[:, 0],
         "restitution": drawn.numbers[:, 3],
         "gap": 2 * drawn.numbers[:, 1],
-        "displacement": head[:, SIZE],
+        "impulse_velocity" if known.blow else "displacement": head[:, SIZE],
         "gap_displacement": drawn.numbers[:, 2],
         "release": release,
         "restitution_scatter": drawn.numbers[:, 4],

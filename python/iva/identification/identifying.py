@@ -59,10 +59,10 @@ def identify(
 ) -> Fit:
     """Identify structure and absorber from a measured free decay; needs dynesty.
 
-    The structure is let go from rest. With the instants and jumps of the impacts as inputs the
-    record is linear but for a few numbers; they follow by least squares, and from them where the
-    walls are, how heavy the absorber is and how it rebounds. Restitution may scatter from impact to
-    impact.
+    The structure is let go from rest, or a blow sets it in motion. With the instants and jumps of
+    the impacts as inputs the record is linear but for a few numbers; they follow by least squares,
+    and from them where the walls are, how heavy the absorber is and how it rebounds. Restitution
+    may scatter from impact to impact.
 
     Parameters
     ----------
@@ -75,7 +75,9 @@ def identify(
     primary : Primary
         As `absorber`.
     start : Start, optional
-        As `absorber`; ``time`` is the instant of the release on the clock of the record.
+        As `absorber`; ``time`` is the instant of the release on the clock of the record. With
+        ``impulse``, ``impulse_velocity``, or the latter in `known`, the structure is at rest until
+        a blow, shorter than a tenth of a period, and a free mass stays at rest through it.
     known : mapping of str to distribution of :mod:`iva.sampling`, optional
         What is known of further numbers, by the names of their fields.
     seed : int, default 0

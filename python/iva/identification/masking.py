@@ -13,6 +13,8 @@ from iva.identification.responses import Values
 #: Samples beside the release, at least, and part of a period, in which an acceleration does not
 #: count and no impact is looked for: a filter smears the step.
 NEAR, DEAD = 8, 0.12
+#: Part of a period on each side of a blow in which its own pulse hides all else.
+BLOW = 0.06
 #: Part of a period that is masked beside an impact of a velocity at first, and the deviations of
 #: the noise above which samples are masked later.
 SMEAR, SMEARED = 0.03, 6.0
@@ -31,7 +33,9 @@ def masked(
 ) -> NDArray[np.bool_]:
     """Return which samples count: not those that the filter of the recorder has smeared."""
     rate, release = recording.sampling_hz, inputs.head[RELEASE]
-    edge = 2 if recording.order < 2 else dead_time(rate, inputs.head[OMEGA] / 2 / np.pi)
+    hertz = inputs.head[OMEGA] / 2 / np.pi
+    edge = 2 if recording.order < 2 else dead_time(rate, hertz)
+    edge = int(BLOW * rate / hertz) if recording.blow else edge
     mask: NDArray[np.bool_] = np.abs(recording.time - release) > edge / rate
     if begins_in_motion:
         mask &= recording.time > release
@@ -104,4 +108,4 @@ def spread(
     return noise, max(float(np.sqrt(max(over, 0.0))), least)
 
 
-__all__ = ["SMEAR", "closed_by", "dead_time", "masked", "smeared", "spread", "weighted"]
+__all__ = ["BLOW", "SMEAR", "closed_by", "dead_time", "masked", "smeared", "spread", "weighted"]

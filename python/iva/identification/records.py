@@ -32,7 +32,8 @@ class Inputs:
     ``head`` (5,), ``times`` and ``jumps`` (k,), ``trend`` (4,), ``hum`` (2h,), ``modes`` (m, 4),
     ``pulse`` (s,) shares of what pulses have beyond their chain, and ``widths`` (k,) what the
     variance of each contact is more than usual in samples²; both are empty where the record shows
-    no pulses.
+    no pulses. After a ``blow`` the last number of the head is the velocity that it gave, not the
+    displacement that the structure was let go from.
     """
 
     head: Values
@@ -43,6 +44,7 @@ class Inputs:
     modes: Values
     pulse: Values
     widths: Values
+    blow: bool = False
 
     def vector(self) -> Values:
         """Return all numbers in one row."""
@@ -74,7 +76,7 @@ class Inputs:
         parts = np.split(numbers, np.cumsum(sizes)[:-1])
         head, times, jumps, trend, hum, modes, pulse, widths = parts
         modes = modes.reshape(self.modes.shape)
-        return Inputs(head, times, jumps, trend, hum, modes, pulse, widths)
+        return Inputs(head, times, jumps, trend, hum, modes, pulse, widths, self.blow)
 
     def with_more(self, times: Values, jumps: Values) -> Inputs:
         """Return the same with further impacts, all in the order of time."""
@@ -109,6 +111,8 @@ class Recording:
         Powers of time that the trend has.
     shape : Shape or None
         What pulses of impacts are made of; ``None`` where the record shows none.
+    blow : bool
+        Whether the structure was at rest until a blow, and not let go.
     """
 
     time: Values
@@ -119,6 +123,7 @@ class Recording:
     weights: Values = field(default_factory=lambda: np.zeros(0))
     powers: int = TREND
     shape: Shape | None = None
+    blow: bool = False
 
     @cached_property
     def trends(self) -> Values:
@@ -133,11 +138,11 @@ class Recording:
         """Return the smooth part that the structure's own motion leaves, shape (n,)."""
         omega, zeta, corner, release, size = inputs.head
         jump = to_jump(omega, zeta, corner, self.order)
-        free = to_release(omega, zeta, corner, self.order)
+        free = jump if inputs.blow else to_release(omega, zeta, corner, self.order)
         made = size * free.total(self.time, np.array([release]), np.ones(1))
         if self.order == 0:
             made = made + size * (self.time <= release)
-        if self.shape is not None:
+        if self.shape is not None and not inputs.blow:
             # The acceleration steps at the release, and the filter smears that step.
             offset = (self.time - release) * self.sampling_hz
             made = made - size * omega**2 * pulse_of(self.shape.chain).smear(offset)
@@ -191,10 +196,11 @@ class Recording:
             if index == CORNER:
                 change = change + self.ringing(new) - self.ringing(old)
             made[:, index] = change / (ahead[index] - back[index])
-        free = to_release(omega, zeta, corner, self.order)
+        begun = to_jump if inputs.blow else to_release
+        free = begun(omega, zeta, corner, self.order)
         made[:, RELEASE] = -size * free.slope().total(self.time, np.array([release]), np.ones(1))
         made[:, SIZE] = free.total(self.time, np.array([release]), np.ones(1))
-        if self.shape is not None:
+        if self.shape is not None and not inputs.blow:
             offset = (self.time - release) * self.sampling_hz
             filtered = pulse_of(self.shape.chain)
             made[:, SIZE] -= omega**2 * filtered.smear(offset)

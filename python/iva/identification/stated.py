@@ -25,6 +25,7 @@ FIELDS = {
     "frequency_ratio": ("frequency_ratio", 1.0),
     "displacement": ("displacement", 1.0),
     "displacement_mm": ("displacement", 1e-3),
+    "impulse_velocity": ("impulse_velocity", 1.0),
     "gap_displacement": ("gap_displacement", 1.0),
     "gap_displacement_mm": ("gap_displacement", 1e-3),
     "time": ("release", 1.0),
@@ -39,6 +40,7 @@ BOUNDS = {
     "gap": (1e-9, np.inf),
     "frequency_ratio": (1e-6, np.inf),
     "displacement": (-np.inf, np.inf),
+    "impulse_velocity": (-np.inf, np.inf),
     "gap_displacement": (-np.inf, np.inf),
     "release": (-np.inf, np.inf),
 }
@@ -46,8 +48,6 @@ BOUNDS = {
 IDLE = {"contact_time", "contact_stiffness", "reference"}
 #: Fields that may be set because the fit takes them as they are.
 TAKEN = {"length", "gravity", "gap_velocity", "inertia_ratio", "contact_distance"}
-#: Fields of a start that is no release.
-BLOWS = {"impulse", "impulse_velocity"}
 #: Fields that must be zero where they are set.
 ZERO = {"velocity", "inclination", "inclination_deg", "gap_offset", "gap_offset_mm"}
 
@@ -63,6 +63,11 @@ class Stated:
         """Return the value of a number that is set."""
         prior = self.priors.get(name)
         return prior.value if isinstance(prior, Exactly) else None
+
+    @property
+    def blow(self) -> bool:
+        """Whether the structure is set in motion by a blow, from rest, and not let go."""
+        return "impulse_velocity" in self.priors
 
 
 def stated(
@@ -85,7 +90,7 @@ def stated(
             continue
         for name, value in given(part).items():
             path = f"{part._part}.{name}"
-            if name in ("mass", "stiffness"):
+            if name in ("mass", "stiffness", "impulse"):
                 masses[path] = value
             elif name in FIELDS:
                 number, factor = FIELDS[name]
@@ -94,12 +99,6 @@ def stated(
                 taken[name] = value
             elif name in ZERO and value != 0:
                 raise ValueError(f"{path} = {value!r}: it must be 0 in a decay that is identified")
-            elif name in BLOWS:
-                raise ValueError(
-                    f"{path} = {value!r}: a start by a blow is not identified, its pulse hides the "
-                    "first impacts; let the structure go, or give the record after the blow and "
-                    "absorber = None"
-                )
             elif name not in IDLE and name not in ZERO:
                 raise ValueError(f"{path} = {value!r}: leave it out, it is not identified with it")
     weighed(masses, priors)
@@ -114,6 +113,17 @@ def stated(
         if number in priors:
             raise ValueError(f"known[{shown(key)}]: this number is set already; leave out one")
         priors[number] = prior_of(name, distribution, factor, *BOUNDS[number])  # type: ignore[arg-type]
+    if "impulse_velocity" in priors:
+        if "displacement" in priors:
+            raise ValueError(
+                "start.displacement: a structure that is set in motion by a blow is at rest at 0 "
+                "before; leave it out"
+            )
+        if not isinstance(absorber, Siva):
+            raise ValueError(
+                "start.impulse_velocity: a start by a blow is identified with a free mass only; "
+                "give the record after the blow and absorber = None"
+            )
     return Stated(priors, taken)
 
 
@@ -125,6 +135,12 @@ def weighed(masses: dict[str, float], priors: dict[str, Prior]) -> None:
         if whole is None:
             raise ValueError(f"absorber.mass = {part!r}: give primary.mass too, or mass_ratio")
         priors["mass_ratio"] = Exactly(part / whole)
+    if (impulse := masses.get("start.impulse")) is not None:
+        if whole is None:
+            raise ValueError(
+                f"start.impulse = {impulse!r}: give primary.mass too, or impulse_velocity"
+            )
+        priors["impulse_velocity"] = Exactly(impulse / whole)
     if (stiffness := masses.get("primary.stiffness")) is not None and whole is not None:
         priors["frequency_hz"] = Exactly(float(np.sqrt(stiffness / whole)) / (2 * np.pi))
 

@@ -18,7 +18,7 @@ from iva.identification.explaining import Explained, explained
 from iva.identification.growing import Grown, grown
 from iva.identification.posterior import Beliefs
 from iva.identification.pulses import WIDE
-from iva.identification.records import HEAD, RELEASE, SIZE, Inputs, Recording
+from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, Inputs, Recording
 from iva.identification.responses import Values
 from iva.identification.stated import Stated
 from iva.identification.walls import Absorber, contacts
@@ -152,7 +152,8 @@ def followed(
     fixed, expected = heads(known, clock)
     shown = explained(recording, floor, fixed, expected, seen)
     inputs = shown.refined.inputs
-    beliefs = beliefs_of(known, abs(float(inputs.head[SIZE])))
+    size = abs(float(inputs.head[SIZE])) / (float(inputs.head[OMEGA]) if inputs.blow else 1.0)
+    beliefs = beliefs_of(known, size)
     pull = pull_of(beliefs)
     every = contacts(
         inputs,

@@ -43,7 +43,7 @@ class Contacts:
     slopes: Values
 
 
-def kinematics(numbers: Values, hits: int, gap_velocity: float) -> Values:
+def kinematics(numbers: Values, hits: int, gap_velocity: float, blow: bool = False) -> Values:
     """Return the values of :class:`Contacts`, shape (5, k), from head, instants and jumps.
 
     Parameters
@@ -54,6 +54,8 @@ def kinematics(numbers: Values, hits: int, gap_velocity: float) -> Values:
         Number of impacts k.
     gap_velocity : float
         Velocity of the absorber at the release, of which the structure has none.
+    blow : bool
+        Whether a blow has given the structure a velocity, and the mass none.
     """
     omega, zeta = numbers[..., OMEGA], numbers[..., ZETA]
     release, size = numbers[..., RELEASE], numbers[..., SIZE]
@@ -71,8 +73,13 @@ def kinematics(numbers: Values, hits: int, gap_velocity: float) -> Values:
         return made
 
     since = times - release[..., None]
-    x = size[..., None] * (velocity(since) + 2 * decay * displacement(since))
-    v = -(size * omega**2)[..., None] * displacement(since)
+    if blow:
+        begin = np.zeros_like(size)
+        x, v = size[..., None] * displacement(since), size[..., None] * velocity(since)
+    else:
+        begin = size
+        x = size[..., None] * (velocity(since) + 2 * decay * displacement(since))
+        v = -(size * omega**2)[..., None] * displacement(since)
     way, lost = np.zeros_like(times), np.zeros_like(times)
     for later in range(1, hits):
         ago = times[..., later : later + 1] - times[..., :later]
@@ -80,7 +87,7 @@ def kinematics(numbers: Values, hits: int, gap_velocity: float) -> Values:
         v[..., later] += np.sum(jumps[..., :later] * velocity(ago), axis=-1)
         way[..., later] = np.sum(jumps[..., :later] * ago, axis=-1)
         lost[..., later] = np.sum(jumps[..., :later], axis=-1)
-    place = size[..., None] + gap_velocity * since - x
+    place = begin[..., None] + gap_velocity * since - x
     return np.stack([place, way, lost, gap_velocity - v, jumps], axis=-2)
 
 
@@ -112,10 +119,11 @@ def contacts(
     spread = covariance[np.ix_(keep, keep)]
     scale = np.maximum(np.abs(numbers) * 1e-6, 1e-9)
     scale[HEAD : HEAD + hits] = 1e-7
-    ahead = kinematics(numbers + np.diag(scale), hits, gap_velocity)
-    back = kinematics(numbers - np.diag(scale), hits, gap_velocity)
+    blow = inputs.blow
+    ahead = kinematics(numbers + np.diag(scale), hits, gap_velocity, blow)
+    back = kinematics(numbers - np.diag(scale), hits, gap_velocity, blow)
     slopes = ((ahead - back) / (2 * scale[:, None, None])).reshape(numbers.size, -1).T
-    values = kinematics(numbers, hits, gap_velocity)
+    values = kinematics(numbers, hits, gap_velocity, blow)
     values = values + (slopes @ (measured - numbers)).reshape(5, hits)
     blocks = (slopes @ spread @ slopes.T).reshape(5, hits, 5, hits).transpose(0, 2, 1, 3)
     return Contacts(
