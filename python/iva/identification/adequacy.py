@@ -10,6 +10,8 @@ from iva.identification.responses import Values
 
 #: Probability, by chance, of what is taken for a dependence of restitution.
 CHANCE = 3e-4
+#: Change of restitution over all impacts that does not matter.
+SLIGHT = 0.01
 #: Largest standard deviation of a restitution that has a say.
 SURE = 0.15
 #: Least number of impacts that can show it.
@@ -48,7 +50,8 @@ def law_of_restitution(
         strengths.append((slope / error, slope))
     (by_speed, slope), (by_time, trend) = strengths
     chance = 2 * stdtr(speeds.size - 2, -max(abs(by_speed), abs(by_time)))
-    if chance > CHANCE:
+    by = slope * np.ptp(speeds) if abs(by_speed) >= abs(by_time) else trend * np.ptp(times)
+    if chance > CHANCE or abs(by) < SLIGHT:
         return []
     if abs(by_speed) >= abs(by_time):
         way = "falls" if slope < 0 else "rises"
