@@ -18,6 +18,9 @@ use crate::segment::flight::{
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
+/// A mass this close to the wall that it left, in clearances, is followed by the series of its own distance.
+const NEAR: f64 = 1e-6;
+
 /// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
 /// pressure on that wall while it is stuck.
 ///
@@ -166,9 +169,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let (system, from) = (self.system, &self.from);
         let mut places = from.places;
         for (k, place) in places[..system.count].iter_mut().enumerate() {
+            let near = place.distance.value <= system.masses[k].clearance * NEAR;
             *place = if place.stuck {
                 self.place(k, h)
-            } else if system.host.moves_base() {
+            } else if near || system.host.moves_base() {
+                // The series keeps the relative accuracy of a rebound, however low it is.
                 Place { shaken: None, ..self.place(k, h) }
             } else {
                 system.place_after(from, k, &modes, Clock::new(h))
