@@ -31,8 +31,8 @@ const LONGEST: f64 = 1.5;
 const LEVELS: usize = 12;
 /// Largest number of coupled modes for which Φ is worth its price.
 const MOST_COUPLED: usize = 8;
-/// After so many leaps the event loop looks whether it is to stop.
-const MOST_LEAPS: usize = 4096;
+/// Largest number of leaps in one coast: whoever looks within one is shown each of its steps from its begin.
+const MOST_LEAPS: usize = 16;
 
 /// Φ of each length, the shortest first.
 #[derive(Debug, Clone)]
