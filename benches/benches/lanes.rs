@@ -11,12 +11,10 @@ use iva_benches::{
     decays as scenes, decays_after_a_blow, driven_jobs, driven_pendulums, fast, swinging_decays,
     upright_decays,
 };
-use iva_core::absorber::{Absorber, ImpactLaw, Wall};
 use iva_core::force::Acts;
 use iva_core::measures::{Measures, Wanted};
 use iva_core::run::side_by_side::{self, Job, Listing, SideBySide};
 use iva_core::simulate::simulate;
-use iva_core::siva::Siva;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
