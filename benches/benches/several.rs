@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use iva_core::absorber::mixed::{Mixed, MixedStart, OneOf};
-use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure};
+use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure, Tie};
 use iva_core::absorber::several::{Several, Starts};
 use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, Point, Start};
@@ -130,7 +130,7 @@ fn dashpot(criterion: &mut Criterion) -> Result<(), Invalid> {
         let structure = ModalStructure::new(&[1.0], &[DAMPING_RATIO])?;
         let structure = structure.with_point("primary", &[1.0])?;
         let masses = [(FreeMass::new(MASS_RATIO, RESTITUTION, 0.6)?, "primary")];
-        let system = Modal::of(structure, &masses)?.with_dashpots(&[damping])?;
+        let system = Modal::of(structure, &masses)?.with_ties(&[Tie { spring: 0.0, damping }])?;
         let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; 8])?;
         run(criterion, (&format!("dashpot {damping}, decay"), 1), &system, &start)?;
         let driven = system.under(push()?, "primary")?;

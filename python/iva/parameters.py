@@ -385,6 +385,13 @@ class Siva(Part):
     friction : float, optional
         Coefficient k ≥ 0 of Coulomb friction between the mass and its way, 0 by default: its slides
         are decelerated by k g cos α, and it is held where that is enough.
+    spring : float, optional
+        Stiffness k ≥ 0 in N/m of a linear spring between the mass and the structure, slack at y = 0
+        wherever the stops are; 0, no spring, by default; of all units together. With it the mass is
+        a tuned mass damper with end stops.
+    spring_ratio : float, optional
+        The same as the frequency √(k/m) of the mass on its spring alone over that of the bare
+        structure.
     gap_damping : float, optional
         Constant c ≥ 0 in N s/m of a linear dashpot between the mass and the structure, 0 by
         default; of all units together.
@@ -444,6 +451,8 @@ class Siva(Part):
     units: float | None = None
     clearance_spread: float | None = None
     friction: float | None = None
+    spring: float | None = None
+    spring_ratio: float | None = None
     gap_damping: float | None = None
     gap_damping_ratio: float | None = None
     inclination: float | None = None

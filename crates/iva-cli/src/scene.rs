@@ -203,7 +203,7 @@ fn start(designs: &[Design], shown: Shown) -> String {
 /// structure; for a level motion it gives the ratio of an upright one.
 fn gravity(designs: &[Design], units: UnitSystem) -> Option<String> {
     let along: Option<Vec<f64>> =
-        designs.iter().map(|design| design.scene.gravity_along()).collect();
+        designs.iter().map(|design| design.scene.gravity_along(0)).collect();
     let along = along.filter(|along| !along.is_empty())?;
     let level = along.iter().all(|along| *along == 0.0);
     if level && units != UnitSystem::Si {

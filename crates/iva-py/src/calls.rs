@@ -123,8 +123,11 @@ pub fn design<'py>(
     numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
     numbers.set_item("gap_offset", scene.gap_offset(number))?;
     let stiffness = scale.natural_frequency * scale.natural_frequency;
-    let along = scene.gravity_along().map(|along| along * stiffness);
+    let along = scene.gravity_along(number).map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
+    let tie = scene.tie_of(number);
+    numbers.set_item("spring", tie.spring * scale.mass * stiffness)?;
+    numbers.set_item("gap_damping", tie.damping * scale.mass * scale.natural_frequency)?;
     let parameters = scene.pendulum_of(number);
     let pendulum = parameters.map(|pendulum| {
         let own = PyDict::new(py);

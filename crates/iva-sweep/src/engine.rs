@@ -6,7 +6,6 @@
 //! in doubles; the crate `iva-verify` computes them in numbers of twice the precision.
 
 pub mod contact;
-pub(crate) mod dashpot;
 pub mod design;
 pub(crate) mod ended;
 pub(crate) mod forces;
@@ -21,3 +20,4 @@ pub(crate) mod rows;
 pub mod scale;
 pub mod scene;
 mod several;
+pub(crate) mod ties;

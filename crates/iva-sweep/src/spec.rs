@@ -374,12 +374,11 @@ impl Spec {
     /// # Errors
     /// As [`Spec::units`].
     pub fn standard_gravity_of(&self, absorber: usize) -> Result<Option<f64>, Invalid> {
-        let weighs = self.structure.is_none()
-            && match self.choices_of(absorber).kind {
-                Kind::Siva => self.count() == 1,
-                Kind::Piva => self.get_of(absorber, FieldId::FrequencyRatio).is_none(),
-                Kind::None => false,
-            };
+        let weighs = match self.choices_of(absorber).kind {
+            Kind::Siva => true,
+            Kind::Piva => self.get_of(absorber, FieldId::FrequencyRatio).is_none(),
+            Kind::None => false,
+        };
         let standard = weighs && self.units()? == UnitSystem::Si;
         Ok(standard.then_some(STANDARD_GRAVITY))
     }

@@ -8,7 +8,7 @@ use crate::choices::{Kind, only};
 use crate::design::Spec;
 use crate::engine::given::Given;
 use crate::engine::pendulum::Common;
-use crate::engine::{dashpot, forces, free_mass};
+use crate::engine::{forces, free_mass, ties};
 use crate::fields::FieldId;
 use crate::units::Scale;
 
@@ -42,8 +42,8 @@ fn common(spec: &Spec) -> Result<(Common, Scale, f64), Invalid> {
         let rule = "the theory is of a level motion without friction; leave it out";
         return Err(Invalid::new(field.path(), number(angle), rule));
     }
-    if let Some((path, value)) = dashpot::given(&given) {
-        let rule = "the theory is of a mass without dashpot; leave it out";
+    if let Some((path, value)) = ties::given(&given) {
+        let rule = "the theory is of a mass without spring or dashpot; leave it out";
         return Err(Invalid::new(path, number(value), rule));
     }
     let common = given.common(&scale, units)?;

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
+use iva_core::absorber::modal::Tie;
 use iva_core::error::Invalid;
 use iva_core::propagation::Errors;
 use iva_core::run::observed::Beside;
@@ -46,12 +47,13 @@ pub struct Watched {
 }
 
 /// What a scene that [`takes`] refuses is to be told.
-pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a dashpot, an impulse nor tolerance";
+pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a spring or dashpot, an impulse nor tolerance";
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {
     let scene = &design.scene;
-    let single = scene.count() <= 1 && !(scene.has_modes() || scene.rubs() || scene.has_dashpots());
+    let tied = scene.tie_of(0) != Tie::NONE;
+    let single = scene.count() <= 1 && !(scene.has_modes() || scene.rubs() || tied);
     single
         && design.tier != Tier::Fast
         && design.scene.force().is_none_or(|force| force.is_single())

@@ -69,10 +69,15 @@ const NOT_PHYSICAL: [FieldId; 5] = [
     FieldId::Discard,
 ];
 
-/// Fields that are 0 where a scene is of another kind, which a run does not have: without friction or dashpot, or with an
+/// Fields that are 0 where a scene is of another kind, which a run does not have: without friction, spring or dashpot, or with an
 /// impulse that is part of the start.
-const OTHER_AT_ZERO: [FieldId; 4] =
-    [FieldId::Friction, FieldId::GapDamping, FieldId::GapDampingRatio, FieldId::ImpulseTime];
+const OTHER_AT_ZERO: [FieldId; 5] = [
+    FieldId::Friction,
+    FieldId::Spring,
+    FieldId::GapDamping,
+    FieldId::GapDampingRatio,
+    FieldId::ImpulseTime,
+];
 
 /// The tables of a study without axes, with derivatives in place of numbers. All else is as in the run,
 /// except `near_grazing` of the impacts, which is true from the first impact on that is close to a grazing.
@@ -89,7 +94,9 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
         Slot::from_key(key).map_err(|error| Invalid { field: "gradients".to_owned(), ..error })?;
     let mut spec = study.spec(0)?;
     let value = given(study, &mut spec, slot)?;
-    if value == 0.0 && OTHER_AT_ZERO.contains(&slot.field) {
+    let own = slot.field == FieldId::SpringRatio
+        && spec.choices_of(slot.number.unwrap_or(0)).kind == Kind::Siva;
+    if value == 0.0 && (own || OTHER_AT_ZERO.contains(&slot.field)) {
         let rule = "at 0 it has no derivative, as the scene is of another kind; give a number above 0, or sweep it";
         return Err(Invalid::new("gradients", format!("`{}`", slot.path()), rule).into());
     }

@@ -14,6 +14,7 @@ WORDS = ("kind", "angles", "impact_law")
 REFUSED: dict[str, tuple[float | None, str]] = {
     "absorber.units": (1.0, "the explorer shows one absorber of one unit; leave it out"),
     "absorber.friction": (0.0, "the explorer takes none; leave it out"),
+    "absorber.spring": (0.0, "the explorer takes no spring in the gap; leave it out"),
     "absorber.gap_damping": (0.0, "the explorer takes no dashpot; leave it out"),
     "absorber.gap_damping_ratio": (0.0, "the explorer takes no dashpot; leave it out"),
     "start.impulse": (None, "the explorer takes no impulse; give a start velocity"),

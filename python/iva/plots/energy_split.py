@@ -27,7 +27,6 @@ from iva.plots.styles import (
     VERMILLION,
     drawing_on,
 )
-from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.spelling import spell_checked
 
@@ -155,7 +154,8 @@ def split_of(run: Run) -> Split:
         If impacts have added energy, or an integral is off what the run itself says.
     """
     designs = [design_of(run, each) for each in range(max(1, design_of(run).absorbers))]
-    design, dashpots = designs[0], dashpots_of(run, designs)
+    design = designs[0]
+    damped = any(each.gap_damping for each in designs)
     time, still, motions = finely(run, designs)
     structure, absorber = energies(designs, motions)
     system = structure + absorber
@@ -163,16 +163,15 @@ def split_of(run: Run) -> Split:
     layers = {"structure": structure, "absorber": absorber}
     inside = motions_at(run, time[:-1] + 0.5 * steps, len(designs))
     # Where the absorbers' own dampers are.
-    own = "dashpot" if any(dashpots) else "pivot"
+    own = "dashpot" if damped else "pivot"
 
     def damper(motions: list[Motion]) -> Numbers:
         return damper_power(design, motions[0])
 
     def own_dampers(motions: list[Motion]) -> Numbers:
-        each = zip(designs, motions, dashpots, strict=True)
         powers = (
-            pivot_power(design, motion) + dashpot * motion["gap_velocity"] ** 2
-            for design, motion, dashpot in each
+            pivot_power(design, motion) + design.gap_damping * motion["gap_velocity"] ** 2
+            for design, motion in zip(designs, motions, strict=True)
         )
         return sum(powers, start=np.zeros_like(motions[0]["velocity"]))
 
@@ -211,26 +210,11 @@ def split_of(run: Run) -> Split:
     pendulums = [each.pendulum for each in designs if each.pendulum is not None]
     if any(pendulum.damping_ratio > 0.0 for pendulum in pendulums):
         names.append("pivot")
-    if any(dashpots):
+    if damped:
         names.append("dashpot")
     if layers["friction"][-1] > 0.0:
         names.append("friction")
     return Split(time, {name: layers[name] for name in names})
-
-
-def dashpots_of(run: Run, designs: list[Design]) -> list[float]:
-    """Return the constant c of the dashpot between each mass and its structure; 0 without."""
-    constants = []
-    for absorber in absorbers(run.absorber):
-        constant = 0.0
-        if isinstance(absorber, Siva) and absorber.gap_damping is not None:
-            constant = absorber.gap_damping
-        elif isinstance(absorber, Siva):
-            ratio = absorber.gap_damping_ratio or 0.0
-            constant = 2.0 * ratio * designs[0].mass * designs[0].natural_frequency
-        units = 1 if absorber is None else int(absorber.units or 1)
-        constants += [constant / units] * units
-    return constants
 
 
 def friction_force(run: Run, design: Design) -> float:
@@ -323,7 +307,8 @@ def absorber_energy(design: Design, motion: Motion) -> Numbers:
         assert design.clearance is not None
         height = motion["gap_displacement"] - (design.gap_offset - design.clearance)
         kinetic = 0.5 * (velocity + motion["gap_velocity"]) ** 2
-        return mass * (kinetic + design.gravity_along * height)
+        stretched = 0.5 * design.spring * motion["gap_displacement"] ** 2
+        return mass * (kinetic + design.gravity_along * height) + stretched
     # Of a pendulum: L θ̇ of the centre of mass along its arc, and its horizontal part.
     swing = arc_velocity(design, motion)
     across = pendulum.lever * motion["gap_velocity"]

@@ -1,7 +1,7 @@
 //! Random scenes of free masses on structures with several modes, and the numbers of their runs.
 
 use iva_core::{
-    absorber::modal::{ModalStart, ModalStructure},
+    absorber::modal::{ModalStart, ModalStructure, Tie},
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
     impact::Impact,
@@ -38,6 +38,11 @@ pub fn gaps<R: Real, const N: usize>(masses: &[Mass; N]) -> [GapPoint<R>; N] {
 /// Numbers of another type.
 pub fn reals<R: Real>(numbers: &[f64]) -> Vec<R> {
     numbers.iter().map(|it| R::from(*it)).collect()
+}
+
+/// Springs and dashpots.
+pub fn ties<R: Real>(given: &[[f64; 2]]) -> Vec<Tie<R>> {
+    given.iter().map(|[k, c]| Tie { spring: R::from(*k), damping: R::from(*c) }).collect()
 }
 
 /// A harmonic force.

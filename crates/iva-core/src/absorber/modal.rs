@@ -1,7 +1,8 @@
 //! Free masses on a structure with several modes, each in a gap of its own at a point of the structure.
 //!
 //! ```text
-//! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = φⱼ(p) f(t) − Γⱼ a_g,     u_p = Σ φⱼ(p) qⱼ,     yₖ = x₁ₖ − u at pₖ,     ẍ₁ₖ = −a_g.
+//! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = φⱼ(p) f(t) − Γⱼ a_g + Σₖ φⱼ(pₖ) (kₖ yₖ + cₖ ẏₖ + μₖ Gₖ),
+//! u_p = Σ φⱼ(p) qⱼ,     yₖ = x₁ₖ − u at pₖ,     ẍ₁ₖ = −a_g − Gₖ − (kₖ yₖ + cₖ ẏₖ)/μₖ.
 //! ```
 //!
 //! | symbol | name | here |
@@ -11,13 +12,18 @@
 //! | Γⱼ | how the base motion a_g takes part in mode j | [`ModalStructure::with_base`] |
 //! | M, K, C | matrices that the modes are computed from | [`ModalStructure::from_matrices`] |
 //! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
+//! | kₖ, cₖ | spring and dashpot between mass and point | [`Tie`], [`Modal::with_ties`] |
+//! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
 //! the unit 1, and one mode with ω = 1 and φ = 1 is the structure of [`crate::absorber::several`].
 //!
+//! **Gravity** acts like a drive that is 1 at all times (`modal/equations.rs`). Displacements are measured from where the structure rests under
+//! the weight of all masses, so that each lifts its point by the constant μ G.
+//!
 //! **Stuck masses.** With the masses of a set S stuck to their points the structure has the mass matrix
 //! M′ = I + Σ_S μ φφᵀ. Its inverse takes a system of as many equations as masses are stuck
-//! (`modal/equations.rs`). Each stuck mass is released by itself, where the absolute acceleration at its point is 0.
+//! (`modal/equations.rs`). Each stuck mass is released by itself, where A + G + k y/μ is 0, with the absolute acceleration A at its point.
 //!
 //! **Motion** (`modal/equations.rs`). Between events the equations are linear, so that the Taylor coefficients of all q
 //! follow one from the other, whatever D and S are. The energy norm of (ωq, q̇) never grows without drive, and each
@@ -38,7 +44,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`. Dashpots in the gaps: `modal/dashpot.rs`. Flights far from all walls: `modal/leaps.rs`.
+//! Impacts: `modal/impact_law.rs`. Springs and dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`.
 
 use std::sync::OnceLock;
 
@@ -49,19 +55,20 @@ use crate::force::Force;
 use crate::host::{DrivenHost, Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::range;
 use crate::segment::flight::GapPoint;
 
 pub use motion::ModalMotion;
 pub use start::ModalStart;
 pub use state::{ModalState, Modes, Place};
 pub use structure::ModalStructure;
+pub use ties::Tie;
 
-use dashpot::Dashpot;
 use equations::Stuck;
 use leaps::Leaps;
+use ties::Tied;
 
 mod absorber;
-mod dashpot;
 mod equations;
 pub mod impact_law;
 mod leaps;
@@ -73,6 +80,7 @@ mod series;
 mod start;
 mod state;
 mod structure;
+mod ties;
 
 /// Largest number of absorbers.
 pub const MOST: usize = 8;
@@ -104,8 +112,12 @@ pub struct Modal<H: Host, const N: usize = MOST> {
     host: H,
     /// φ·φ of the points of two masses: the velocity at one per impulse at the other.
     mobility: [[DoubleDouble<H::Real>; N]; N],
-    /// Of the masses that have a dashpot in their gap.
-    dashpots: [Option<Dashpot<H::Real>>; N],
+    /// Of the masses that have a spring or a dashpot in their gap.
+    tied: [Option<Tied<H::Real>>; N],
+    /// G along the line of motion of each mass.
+    gravity: [H::Real; N],
+    /// What the weight of all masses does to the modes; empty without.
+    weight: Vec<DoubleDouble<H::Real>>,
     /// What a set of stuck masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
@@ -152,9 +164,37 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         }
         let host = UndrivenHost::new(R::ZERO, R::ZERO);
         let unused = FreeMass::new(R::ONE, R::ONE, R::ONE)?;
-        let all = std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass));
-        let none = std::array::from_fn(|_| None);
-        Ok(Self::on(host, structure, (all, at, count), none, [at[0]; 2]))
+        let modal = Self {
+            whole: structure.clone(),
+            structure,
+            masses: std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass)),
+            at,
+            count,
+            seen: at[0],
+            pushed: at[0],
+            host,
+            mobility: [[DoubleDouble::ZERO; N]; N],
+            tied: std::array::from_fn(|_| None),
+            gravity: [R::ZERO; N],
+            weight: vec![],
+            stuck: vec![],
+            reach: R::ZERO,
+            leaps: OnceLock::new(),
+        };
+        Ok(modal.completed())
+    }
+
+    /// The same masses with gravity G along the line of motion of each, which rises towards wall +.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a number out of [`crate::range`], and for numbers that are not as many as masses.
+    pub fn with_gravity(mut self, gravity: &[R]) -> Result<Self, Invalid> {
+        structure::same("absorber.gravity", gravity.len(), self.count)?;
+        for (k, (own, given)) in self.gravity.iter_mut().zip(gravity).enumerate() {
+            range::size(&format!("absorber.{k}.gravity"), *given)?;
+            *own = *given;
+        }
+        Ok(self.completed())
     }
 
     /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
@@ -174,45 +214,55 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             ));
         }
         let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
-        let of = (self.masses, self.at, self.count);
-        let points = [self.seen, pushed];
-        let on = Modal::on(host, self.whole.clone(), of, self.dashpots.clone(), points);
-        Ok(Modal { structure: self.structure.clone(), ..on })
+        let driven = Modal {
+            structure: self.structure.clone(),
+            whole: self.whole.clone(),
+            masses: self.masses,
+            at: self.at,
+            count: self.count,
+            seen: self.seen,
+            pushed,
+            host,
+            mobility: self.mobility,
+            tied: self.tied.clone(),
+            gravity: self.gravity,
+            weight: vec![],
+            stuck: vec![],
+            reach: R::ZERO,
+            leaps: OnceLock::new(),
+        };
+        Ok(driven.completed())
     }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
-    fn on(
-        host: H,
-        whole: ModalStructure<R>,
-        (masses, at, count): ([FreeMass<R>; N], [usize; N], usize),
-        dashpots: [Option<Dashpot<R>>; N],
-        [seen, pushed]: [usize; 2],
-    ) -> Self {
-        let shapes: [&[R]; N] = std::array::from_fn(|k| match &dashpots[k] {
-            Some(dashpot) => dashpot.shape.as_slice(),
-            None => whole.shape(at[k]),
-        });
+    /// The system with what follows from its parts.
+    fn completed(mut self) -> Self {
+        let shapes: [&[R]; N] = std::array::from_fn(|k| self.gap_shape(k));
         let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
-        let stuck = (0..1_usize << count).map(|_| OnceLock::new()).collect();
-        let drive = host.force().map_or(R::ZERO, Force::fastest);
-        let reach = R::from(equations::LONGEST * R::STEP) / whole.growth().max(drive);
-        let structure = whole.clone();
-        Self {
-            structure,
-            whole,
-            masses,
-            at,
-            count,
-            seen,
-            pushed,
-            host,
-            mobility,
-            dashpots,
-            stuck,
-            reach,
-            leaps: OnceLock::new(),
+        let drive = self.host.force().map_or(R::ZERO, Force::fastest);
+        self.mobility = mobility;
+        self.weight = self.weight_of_all();
+        self.stuck = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
+        self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
+        self.leaps = OnceLock::new();
+        self
+    }
+
+    /// Σ μ G φ of the gaps: a tied mass falls, and each lifts its point.
+    fn weight_of_all(&self) -> Vec<DoubleDouble<R>> {
+        let heavy = || (0..self.count).filter(|k| self.gravity[*k] != 0.0);
+        if heavy().next().is_none() {
+            return vec![];
         }
+        let mut weight = vec![DoubleDouble::ZERO; self.whole.count()];
+        for k in heavy() {
+            let own = DoubleDouble::new(self.masses[k].mass_ratio).times(self.gravity[k]);
+            for (sum, phi) in weight.iter_mut().zip(self.gap_shape(k)) {
+                *sum = *sum + own.times(*phi);
+            }
+        }
+        weight
     }
 
     /// The same system, of which a run sees the motion at another named point.
@@ -233,9 +283,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         &self.structure
     }
 
-    /// True if a mass has a dashpot in its gap.
-    pub fn has_dashpots(&self) -> bool {
-        self.dashpots.iter().any(Option::is_some)
+    /// What ties a mass to its point.
+    pub fn tie(&self, mass: usize) -> Tie<R> {
+        self.tied.get(mass).and_then(Option::as_ref).map_or(Tie::NONE, |tied| tied.tie)
+    }
+
+    /// G along the line of motion of each mass.
+    pub fn gravity(&self) -> &[R] {
+        &self.gravity[..self.count]
     }
 
     /// The masses.
@@ -264,13 +319,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// The shape of the gap of a mass: that at its point, unless the mass is a coordinate of the structure.
     fn gap_shape(&self, k: usize) -> &[R] {
-        self.dashpots[k].as_ref().map_or_else(|| self.shape(k), |dashpot| dashpot.shape.as_slice())
+        self.tied[k].as_ref().map_or_else(|| self.shape(k), |tied| tied.shape.as_slice())
     }
 
-    /// The shape of which the curve of a mass is made, and whether the acceleration of the base is part of it: that of the gap
-    /// in flight, that of the point which has to carry the mass while it is stuck.
-    fn followed(&self, k: usize, stuck: bool) -> (&[R], bool) {
-        if stuck { (self.shape(k), true) } else { (self.gap_shape(k), self.dashpots[k].is_none()) }
+    /// What the curve of a mass is made of: the motion of its gap in flight, that of the point which has to carry it while it is stuck.
+    fn followed(&self, k: usize, place: &Place<R>) -> Followed<'_, R> {
+        let gravity = DoubleDouble::new(self.gravity[k]);
+        if place.stuck {
+            let constant = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
+            return Followed { shape: self.shape(k), with_base: true, constant };
+        }
+        // What reaches a tied mass reaches it by its coordinate.
+        let alone = self.tied[k].is_none();
+        let constant = if alone { gravity } else { DoubleDouble::ZERO };
+        Followed { shape: self.gap_shape(k), with_base: alone, constant }
     }
 
     /// The mass at hand, and its place in its gap.
@@ -290,6 +352,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn total(&self) -> R {
         self.masses().iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
     }
+}
+
+/// A, as the curve of a mass is made of it.
+#[derive(Debug, Clone, Copy)]
+struct Followed<'a, R> {
+    /// Of the displacement that it is the second derivative of.
+    shape: &'a [R],
+    /// True if the acceleration of the base is part of it.
+    with_base: bool,
+    /// What gravity and the spring of a stuck mass add.
+    constant: DoubleDouble<R>,
 }
 
 /// φ·φ of two shapes.

@@ -13,8 +13,8 @@ use iva_core::siva::Siva;
 use super::InDoubles;
 use crate::choices::Kind;
 use crate::design::{Design, Spec};
-use crate::engine::dashpot;
 use crate::engine::given::Given;
+use crate::engine::ties;
 use crate::fields::{FieldId, Part};
 use crate::forces::Nature;
 use crate::scene::{Mounted, Scene};
@@ -115,7 +115,7 @@ impl Family {
         // Where it depends on the speed as well, the walls are alike if they are given alike.
         let other = spec.get(FieldId::RestitutionMinus);
         let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
-        let level = scene.gravity_along().is_none_or(|along| along == 0.0);
+        let level = scene.gravity_along(0).is_none_or(|along| along == 0.0);
         let mirrors = like && level;
         let middle = scene.gap_offset(0);
         let has_angle = scene.has_angle();
@@ -143,8 +143,8 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of an absorber without friction; leave it out";
         return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
     }
-    if let Some((path, value)) = dashpot::given(&Given::<f64>::new(spec)) {
-        let rule = "orbits are those of an absorber without dashpot; leave it out";
+    if let Some((path, value)) = ties::given(&Given::<f64>::new(spec)) {
+        let rule = "orbits are those of an absorber without spring or dashpot; leave it out";
         return Err(Invalid::new(path, number(value), rule));
     }
     let shocks = [FieldId::StartImpulse, FieldId::StartImpulseVelocity];

@@ -6,7 +6,6 @@
 use std::sync::atomic::AtomicBool;
 
 use super::contact::Contact;
-use super::dashpot;
 use super::forces;
 use super::free_mass::{self, Weight};
 use super::given::Given;
@@ -170,11 +169,11 @@ impl<R: Real> Given<'_, R> {
         if let Some(structure) = self.spec.structure().filter(|_| EVERY_SCENE) {
             return modal::scene(self, structure, start, force, scale);
         }
-        if let Some((path, value)) = dashpot::given(self) {
+        if let Some((path, value)) = modal::needed(self) {
             if !EVERY_SCENE {
-                return Err(Invalid::new(path, number(value), "give no dashpot here"));
+                return Err(Invalid::new(path, number(value), "leave it out here"));
             }
-            return modal::with_dashpots(self, start, force, scale, units);
+            return modal::on_primary(self, start, force, scale, units);
         }
         let units_of_first = self.spec.units_of(0);
         if self.spec.count() > 1 || units_of_first > 1 {
@@ -203,7 +202,10 @@ impl<R: Real> Given<'_, R> {
                 let weight = free_mass::weight(self, scale)?;
                 let start = match weight {
                     Some(Weight { along, .. }) if along != 0.0 => {
-                        free_mass::start(self, start, system.offset() - clearance)
+                        let lower_stop = system.offset() - clearance;
+                        let place = start.gap_displacement;
+                        let gap_displacement = free_mass::starting_place(self, place, lower_stop);
+                        Start { gap_displacement, ..start }
                     }
                     _ => start,
                 };

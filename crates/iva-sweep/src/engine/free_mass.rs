@@ -1,6 +1,5 @@
 //! A free mass with weight: gravity along its line of motion, friction by gravity across it, and the start of the absorber.
 
-use iva_core::absorber::Start;
 use iva_core::compensated::DoubleDouble;
 use iva_core::real::Real;
 
@@ -38,7 +37,7 @@ pub(crate) fn weight<R: Real>(
     let coefficient = given.get(FieldId::Friction);
     if let (None, None, Some(gravity)) = (angle, coefficient, gravity) {
         return Err(Invalid::new(
-            FieldId::Gravity.path(),
+            given.path(FieldId::Gravity),
             number(gravity),
             "gravity acts on a free mass where its line of motion rises, or where it rubs; give inclination \
              (inclination_deg = 90 upright, 0 level) or friction too",
@@ -52,7 +51,7 @@ pub(crate) fn weight<R: Real>(
     let standard = given.spec.standard_gravity_of(given.absorber)?.map(R::from);
     let gravity = gravity.or(standard).ok_or_else(|| {
         Invalid::missing(
-            FieldId::Gravity.path(),
+            given.path(FieldId::Gravity),
             "the line of motion rises or rubs, so give gravity (which has a default in SI units only)",
         )
     })?;
@@ -63,13 +62,15 @@ pub(crate) fn weight<R: Real>(
     Ok(Some(Weight { gravity, along, friction: coefficient.map(|it| it * pressing) }))
 }
 
-/// The start of a free mass on an inclined line of motion: on its lower stop, unless a gap displacement is
-/// given.
-pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, lower_stop: R) -> Start<R> {
-    match given.get(FieldId::GapDisplacement) {
-        Some(_) => start,
-        None => Start { gap_displacement: lower_stop, ..start },
-    }
+/// The line of motion of an absorber, where it is inclined.
+pub(super) fn inclination<R: Real>(given: &Given<'_, R>) -> Option<(FieldId, R)> {
+    let fields = [FieldId::Inclination, FieldId::InclinationDeg].into_iter();
+    fields.filter_map(|field| Some((field, given.get(field)?))).find(|(_, value)| *value != 0.0)
+}
+
+/// The gap displacement at the start on an inclined line of motion: the lower stop, unless one is given.
+pub(crate) fn starting_place<R: Real>(given: &Given<'_, R>, place: R, lower_stop: R) -> R {
+    if given.get(FieldId::GapDisplacement).is_some() { place } else { lower_stop }
 }
 
 /// The error for a start outside the gap. If no gap displacement is given, the error names the offset of the

@@ -6,6 +6,7 @@ use iva_core::force::Force;
 use iva_core::piva::{Given as Stated, Parameters, Piva};
 use iva_core::real::Real;
 
+use super::free_mass;
 use super::given::Given;
 use super::pendulum;
 use super::scale::Scale;
@@ -40,6 +41,8 @@ pub(super) fn scene<R: Real>(
         if given.choices().kind == Kind::Siva {
             let at = gap(given, scale);
             posed.push(Posed { place: Stated::Gap(at.y), rate: Stated::Gap(at.w) });
+            // Refuses gravity, which does nothing to a mass on a level line.
+            free_mass::weight(given, scale)?;
             absorbers.push(OneOf::Mass(mass(given, unit, scale, units)?));
             return Ok(());
         }

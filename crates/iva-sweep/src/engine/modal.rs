@@ -1,18 +1,19 @@
-//! A scene of free masses on a structure with several modes, or with dashpots in their gaps.
+//! A scene of free masses on a structure with several modes, with springs and dashpots in their gaps, or on several inclined lines.
 
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
-use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure};
+use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure, Tie};
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
-use super::dashpot::{self, PRIMARY};
+use super::free_mass;
 use super::given::Given;
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
 use super::several;
+use super::ties::{self, PRIMARY};
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::{FieldId, Part};
@@ -57,33 +58,51 @@ pub(super) fn scene<R: Real>(
     mounted(given, modes, riding, begin, [&seen, structure.pushed()], force)
 }
 
-/// The scene of absorbers of which some have a dashpot in their gap, on a structure that moves as one.
+/// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
+/// and in a list an inclination.
+pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
+    ties::given(given).or_else(|| {
+        let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
+        let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
+        let mut masses = masses.filter(|own| several && own.choices().kind == Kind::Siva);
+        masses.find_map(|own| {
+            let (field, value) = free_mass::inclination(&own)?;
+            Some((own.path(field), value.double()))
+        })
+    })
+}
+
+/// The scene of such absorbers.
 ///
 /// # Errors
 /// [`Invalid`] as of several absorbers, and for a law of restitution.
-pub(super) fn with_dashpots<R: Real>(
+pub(super) fn on_primary<R: Real>(
     given: &Given<'_, R>,
     start: Start<R>,
     force: Force<R>,
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<Scene<R>, Invalid> {
-    let modes = dashpot::primary(given.damping_ratio(scale, units)?)?;
+    let modes = ties::primary(given.damping_ratio(scale, units)?)?;
     let riding = Riding::all(given, scale, units, |_| Ok(PRIMARY))?;
     let begin = [vec![start.displacement], vec![start.velocity]];
     mounted(given, modes, riding, begin, [PRIMARY; 2], force)
 }
 
-/// Absorbers at points of a structure, with their places in their gaps and their dashpots.
+/// Absorbers at points of a structure, with their places in their gaps, what ties them to their points, and gravity along their lines of
+/// motion.
 struct Riding<'a, R> {
     masses: Vec<(FreeMass<R>, &'a str)>,
     gaps: Vec<GapPoint<R>>,
-    dashpots: Vec<R>,
+    ties: Vec<Tie<R>>,
+    along: Vec<R>,
+    /// In the user's unit, where it acts along a line of motion; `None` also where it is not the same for all.
+    gravity: Option<R>,
 }
 
 impl<'a, R: Real> Riding<'a, R> {
     fn none() -> Self {
-        Self { masses: vec![], gaps: vec![], dashpots: vec![] }
+        Self { masses: vec![], gaps: vec![], ties: vec![], along: vec![], gravity: None }
     }
 
     /// All units of all absorbers of a list.
@@ -94,14 +113,20 @@ impl<'a, R: Real> Riding<'a, R> {
         at: impl Fn(usize) -> Result<&'a str, Invalid>,
     ) -> Result<Self, Invalid> {
         let mut all = Self::none();
-        several::each(given, scale, units, |absorber, mass, gap| {
-            let own = given.of(absorber);
-            let damping = dashpot::damping(&own, scale, units)?;
+        let mut gravities = vec![];
+        several::each(given, scale, units, |absorber, mass, gap, weight| {
+            let share = 1.0 / given.spec.units_of(absorber) as f64;
+            let of_all = mass.mass_ratio() / share;
+            let Tie { spring, damping } = ties::tie(&given.of(absorber), of_all, scale, units)?;
             all.masses.push((mass, at(absorber)?));
             all.gaps.push(gap);
-            all.dashpots.push(damping / given.spec.units_of(absorber) as f64);
+            all.ties.push(Tie { spring: spring * share, damping: damping * share });
+            all.along.push(weight.map_or(R::ZERO, |weight| weight.along));
+            gravities.extend(weight.map(|weight| weight.gravity));
             Ok(())
         })?;
+        let alike = gravities.iter().all(|one| *one == gravities[0]);
+        all.gravity = gravities.first().copied().filter(|_| alike);
         Ok(all)
     }
 }
@@ -115,13 +140,13 @@ fn mounted<R: Real>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Scene<R>, Invalid> {
-    let Riding { masses, gaps, dashpots } = riding;
+    let Riding { masses, gaps, ties, along, gravity } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
-    let system = Modal::of(modes, &masses)?.seen_at(seen)?.with_dashpots(&dashpots)?;
+    let system = Modal::of(modes, &masses)?.seen_at(seen)?;
+    let system = system.with_ties(&ties)?.with_gravity(&along)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
-    let gravity = None;
     if Scene::undriven(&force) {
         return Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })));
     }
@@ -154,6 +179,7 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             FieldId::GapDampingRatio => {
                 "on a structure with several modes give gap_damping (N s/m)"
             }
+            FieldId::SpringRatio => "on a structure with several modes give spring (N/m)",
             FieldId::ContactStiffness => "on a structure with several modes give contact_time",
             FieldId::Amplitude => {
                 "on a structure with several modes give force (N) or base_acceleration"

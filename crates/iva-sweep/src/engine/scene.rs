@@ -1,7 +1,7 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
 use iva_core::absorber::mixed::Mixed;
-use iva_core::absorber::modal::{Modal, ModalStructure};
+use iva_core::absorber::modal::{Modal, ModalStructure, Tie};
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
@@ -191,12 +191,12 @@ impl<R: Real> Scene<R> {
         !self.moves_as_one()
     }
 
-    /// True if an absorber has a dashpot in its gap.
-    pub fn has_dashpots(&self) -> bool {
+    /// What ties an absorber to its point, in natural units: a spring and a dashpot.
+    pub fn tie_of(&self, absorber: usize) -> Tie<R> {
         match self {
-            Scene::Modal(it) => it.system.has_dashpots(),
-            Scene::DrivenModal(it) => it.system.has_dashpots(),
-            _ => false,
+            Scene::Modal(it) => it.system.tie(absorber),
+            Scene::DrivenModal(it) => it.system.tie(absorber),
+            _ => Tie::NONE,
         }
     }
 
@@ -254,13 +254,15 @@ impl<R: Real> Scene<R> {
         with_system!(self, |it| it.gravity)
     }
 
-    /// Gravity along the motion G = g sin α, in ωn² × length: 0 where the motion is level, `None` unless a
+    /// Gravity along the line of motion of an absorber, G = g sin α, in ωn² × length: 0 where that is level, `None` unless it is a
     /// free mass.
-    pub fn gravity_along(&self) -> Option<R> {
+    pub fn gravity_along(&self, absorber: usize) -> Option<R> {
         match self {
             Scene::Siva(_) => Some(R::ZERO),
             Scene::DrivenSiva(it) => Some(it.system.gravity()),
             Scene::Sliding(it) => Some(it.system.without_friction().gravity()),
+            Scene::Modal(it) => it.system.gravity().get(absorber).copied(),
+            Scene::DrivenModal(it) => it.system.gravity().get(absorber).copied(),
             _ => None,
         }
     }

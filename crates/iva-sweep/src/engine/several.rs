@@ -7,7 +7,7 @@ use iva_core::force::Force;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
-use super::free_mass;
+use super::free_mass::{self, Weight};
 use super::given::Given;
 use super::pendulum::Common;
 use super::restitution;
@@ -32,7 +32,7 @@ pub(super) fn scene<R: Real>(
     units: UnitSystem,
 ) -> Result<Scene<R>, Invalid> {
     let (mut masses, mut gaps) = (Vec::new(), Vec::new());
-    each(given, scale, units, |_, mass, gap| {
+    each(given, scale, units, |_, mass, gap, _| {
         masses.push(mass);
         gaps.push(gap);
         Ok(())
@@ -48,7 +48,7 @@ pub(super) fn scene<R: Real>(
     Ok(Scene::DrivenSeveral(Box::new(Mounted { system, start, gravity })))
 }
 
-/// All units of all absorbers of a list: the number of the absorber, the unit, and its place in its gap.
+/// All units of all absorbers of a list: the number of the absorber, the unit, its place in its gap, and its weight.
 ///
 /// # Errors
 /// [`Invalid`] for an absorber that a list does not take, too many units, a field out of range, and those of `take`.
@@ -56,11 +56,16 @@ pub(super) fn each<R: Real>(
     given: &Given<'_, R>,
     scale: &Scale<R>,
     units: UnitSystem,
-    mut take: impl FnMut(usize, FreeMass<R>, GapPoint<R>) -> Result<(), Invalid>,
+    mut take: impl FnMut(usize, FreeMass<R>, GapPoint<R>, Option<Weight<R>>) -> Result<(), Invalid>,
 ) -> Result<(), Invalid> {
     each_unit(given, |given, unit| {
-        let gap = gap(given, scale);
-        take(given.absorber, mass(given, unit, scale, units)?, gap)
+        let (mass, mut gap) = (mass(given, unit, scale, units)?, gap(given, scale));
+        let weight = free_mass::weight(given, scale)?;
+        if weight.is_some_and(|weight| weight.along != 0.0) {
+            let lower_stop = mass.offset() - mass.clearance();
+            gap.y = free_mass::starting_place(given, gap.y, lower_stop);
+        }
+        take(given.absorber, mass, gap, weight)
     })
 }
 
@@ -146,22 +151,15 @@ pub(super) fn mass<R: Real>(
             1 => "absorber.kind".to_owned(),
             _ => format!("absorber.{}.kind", given.absorber),
         };
-        let rule = "absorbers on a structure with several modes, and all of a list in which one has a dashpot, are free masses \
-                    (kind \"siva\")";
+        let rule = "absorbers on a structure with several modes, and all of a list in which one has a spring, a dashpot or an \
+                    inclination, are free masses (kind \"siva\")";
         return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
     }
-    for field in [FieldId::Inclination, FieldId::InclinationDeg] {
-        if let Some(value) = given.get(field).filter(|value| *value != 0.0) {
-            let rule = "the line of motion of several absorbers, of those with a dashpot, and on a structure with several modes, is level; leave it out";
-            return Err(Invalid::new(given.path(field), number(value), rule));
-        }
-    }
     if let Some(value) = given.get(FieldId::Friction).filter(|value| *value != 0.0) {
-        let rule = "friction is that of one absorber without dashpot, on one mode; leave it out";
+        let rule =
+            "friction is that of one absorber without spring or dashpot, on one mode; leave it out";
         return Err(Invalid::new(given.path(FieldId::Friction), number(value), rule));
     }
-    // Refuses gravity without an inclination.
-    free_mass::weight(given, scale)?;
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
     let [mass_ratio, clearance] = shared(given, unit, [mass_ratio, clearance])?;

@@ -102,6 +102,7 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::RestitutionExponent => 0.2,
         F::YieldSpeed | F::ClearanceSpread | F::Friction => 0.1,
         F::GapDamping => 20.0,
+        F::Spring => 600.0,
         F::GapDampingRatio => 0.003,
         F::Units => 2.0,
         F::GapOffset => 0.001,

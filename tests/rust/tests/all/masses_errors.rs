@@ -16,7 +16,7 @@ use iva_core::{
     simulate::{Limits, simulate},
     siva::Siva,
 };
-use iva_tests::modal::{Mass, POINTS, any_mass, any_structure, built};
+use iva_tests::modal::{Mass, POINTS, any_mass, any_structure, built, ties};
 use iva_tests::rng::Rng;
 use iva_tests::some;
 
@@ -44,9 +44,11 @@ impl OnModes {
         let full = rng.unit() > 0.5;
         let structure = any_structure::<R>(&mut rng, MODES, full);
         let at = std::array::from_fn(|k| (built::<R>(masses[k]), POINTS[k]));
-        // Two of three scenes have dashpots in their gaps.
-        let dashpots = [self.seed % 3, self.seed % 2].map(|share| R::from(share as f64 * 0.01));
-        Modal::new(structure, at).unwrap().with_dashpots(&dashpots).unwrap()
+        // Two of three scenes have dashpots in their gaps, and every other one a spring and gravity.
+        let [one, other] = [self.seed % 3, self.seed % 2].map(|share| share as f64);
+        let tied = [[0.05 * other, 0.01 * one], [0.0, 0.01 * other]];
+        let system = Modal::new(structure, at).unwrap().with_ties(&ties(&tied)).unwrap();
+        system.with_gravity(&[R::from(0.1 * one), R::from(0.2 * other)]).unwrap()
     }
 
     fn begin<R: Real>(start: &[R]) -> ModalStart<R, MASSES> {

@@ -22,8 +22,8 @@ use crate::host::{Host, Structure as _};
 /// The linear structure and the masses on it.
 #[derive(Debug, Clone)]
 pub struct LinearStructure {
-    /// ω² of each coordinate.
-    pub stiffness: DVector<f64>,
+    /// ω² of each coordinate, and the springs between them.
+    pub stiffness: DMatrix<f64>,
     /// D.
     pub damping: DMatrix<f64>,
     /// φ at the point of each mass.
@@ -52,7 +52,7 @@ impl LinearStructure {
     /// A structure that moves as one, with masses on it.
     fn moving_as_one(damping_ratio: f64, mass_ratios: Vec<f64>) -> Self {
         Self {
-            stiffness: DVector::repeat(1, 1.0),
+            stiffness: DMatrix::repeat(1, 1, 1.0),
             damping: DMatrix::repeat(1, 1, 2.0 * damping_ratio),
             shapes: vec![DVector::repeat(1, 1.0); mass_ratios.len()],
             lightness: mass_ratios.iter().map(|ratio| 1.0 / ratio).collect(),
@@ -62,7 +62,7 @@ impl LinearStructure {
 
     /// Number of coordinates.
     fn coordinates(&self) -> usize {
-        self.stiffness.len()
+        self.stiffness.nrows()
     }
 
     /// Number of variables of a difference.
@@ -134,14 +134,13 @@ impl LinearStructure {
         let compliance = self.compliance(carried);
         if n == 1 {
             let [stiffness, damping] =
-                [self.stiffness[0], self.damping[(0, 0)]].map(|it| it * compliance[(0, 0)]);
+                [self.stiffness[(0, 0)], self.damping[(0, 0)]].map(|it| it * compliance[(0, 0)]);
             let [[xx, vx], [xv, vv]] = columns(&Equation::of(stiffness, damping), h);
             return DMatrix::from_row_slice(2, 2, &[xx, xv, vx, vv]);
         }
         let mut equation = DMatrix::zeros(2 * n, 2 * n);
         equation.view_mut((0, n), (n, n)).fill_with_identity();
-        let stiffness = DMatrix::from_diagonal(&self.stiffness);
-        equation.view_mut((n, 0), (n, n)).copy_from(&(&compliance * -stiffness));
+        equation.view_mut((n, 0), (n, n)).copy_from(&(&compliance * -&self.stiffness));
         equation.view_mut((n, n), (n, n)).copy_from(&(&compliance * -&self.damping));
         (equation * h).exp()
     }
@@ -189,7 +188,7 @@ impl LinearStructure {
         let n = self.coordinates();
         let whole = (0.5 * (x * x + v * v)).sqrt();
         let most = |j: usize| {
-            let square = self.stiffness[j].max(f64::MIN_POSITIVE);
+            let square = self.stiffness[(j, j)].max(f64::MIN_POSITIVE);
             let speed = (0.5 * (fastest[j].powi(2) + fastest[n + j].powi(2) / square)).sqrt();
             if n == 1 { whole } else { speed }
         };
@@ -198,7 +197,7 @@ impl LinearStructure {
             |fastest: f64, change: f64, most: f64| h * fastest.max((0.25 * h * change).min(most));
         let mut sizes = DVector::zeros(self.variables());
         for j in 0..n {
-            let square = self.stiffness[j];
+            let square = self.stiffness[(j, j)];
             let (speed, bend) = (fastest[j], fastest[n + j]);
             sizes[j] = size(speed, bend, most[j]);
             sizes[n + j] = size(bend, square * speed, square.sqrt() * most[j]);
@@ -208,8 +207,8 @@ impl LinearStructure {
             let at_point = |of: &dyn Fn(usize) -> f64| {
                 shape.iter().enumerate().map(|(j, phi)| phi.abs() * of(j)).sum::<f64>()
             };
-            let frequency = |j: usize| self.stiffness[j].sqrt();
-            let change = at_point(&|j| self.stiffness[j] * fastest[j]);
+            let frequency = |j: usize| self.stiffness[(j, j)].sqrt();
+            let change = at_point(&|j| self.stiffness[(j, j)] * fastest[j]);
             let [slow, fast] = [at_point(&|j| most[j]), at_point(&|j| frequency(j) * most[j])];
             sizes[y] = size(fastest[y], fastest[w], slow);
             sizes[w] = size(fastest[w], change, fast);
@@ -313,7 +312,7 @@ impl<S: LinearMasses> DifferentiableList for S {
         let linear = self.linear();
         let n = linear.coordinates();
         let of = |(j, phi): (usize, &f64)| {
-            let square = linear.stiffness[j];
+            let square = linear.stiffness[(j, j)];
             phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
         };
         linear.shapes[absorber].iter().enumerate().map(of).sum()

@@ -182,7 +182,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         (touching, later)
     }
 
-    /// The release is where A = 0 at the point of the absorber at hand. Others whose pressure vanishes there as well are
+    /// The release is where A of the absorber at hand is 0. Others whose pressure vanishes there as well are
     /// released with it, and their A is 0 without rounding.
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         let (at_hand, _, place) = self.at_hand_of(state);
@@ -190,7 +190,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         let later = impact::delay(a, jerk, snap);
         let leaves = |k: usize| {
             let side = state.places[k].side;
-            let terms = || self.terms(state, self.shape(k)) * (R::EPSILON * RELEASED_ULPS);
+            let terms = || self.terms(state, k) * (R::EPSILON * RELEASED_ULPS);
             let ends = || {
                 let [a, jerk, ..] = self.shaken(state, k);
                 -side * a <= terms() && side * jerk > 0.0

@@ -1,10 +1,10 @@
 //! The equations of the modes between events, and their power series.
 //!
-//! The forces on the modes are g = −ω²q − D q̇ + φ_f f − Γ a_g. A stuck mass pulls at its point with
-//! R = −μ (ü + a_g), so that with the shapes Φ of all stuck masses
+//! The forces on the modes are g = −ω²q − Σ k φφᵀq − D q̇ + φ_f f − Γ a_g + Σ μ G φ, with the springs k and the weights μ G in all gaps.
+//! A stuck mass pulls at its point with R = −μ (ü + a_g + G), so that with the shapes Φ of all stuck masses
 //!
 //! ```text
-//! q̈ = g + Φ R,    (μ⁻¹ + ΦᵀΦ) R = −(Φᵀ g + a_g).
+//! q̈ = g + Φ R,    (μ⁻¹ + ΦᵀΦ) R = −(Φᵀ g + a_g + G).
 //! ```
 //!
 //! With M′ = I + Φ μ Φᵀ the energy ½ (q̇ᵀM′q̇ + qᵀω²q) falls without drive, and so does that of each derivative. Under drive
@@ -14,7 +14,7 @@
 use super::series::{ModalSeries, Series, Term, scaled};
 use super::state::Modes;
 use super::structure::Damping;
-use super::{MOST, MOST_MODES, Modal, ModalState};
+use super::{Followed, MOST, MOST_MODES, Modal, ModalState};
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure as _};
 use crate::number::compensated::DoubleDouble;
@@ -37,8 +37,8 @@ pub(super) struct Stuck<R> {
     inverse: Vec<DoubleDouble<R>>,
 }
 
-/// The first coefficients of f and a_g.
-pub(super) type Pushed<R> = [DoubleDouble<R>; 2];
+/// Coefficients of f, of a_g, and of gravity, which is 1 at all times.
+pub(super) type Pushed<R> = [DoubleDouble<R>; 3];
 
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// What these stuck masses need.
@@ -111,24 +111,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         rows.set(0, |j| modes.places[j]);
         rows.set(1, |j| scaled(modes.velocities[j], unit));
         for m in 0..=order - 2 {
-            let [f, a] = pushes(m);
+            let pushed = pushes(m);
             if m + 2 < exact {
-                self.raise::<DoubleDouble<R>>(&mut rows, m, stuck, [f, a], unit);
+                self.raise::<DoubleDouble<R>>(&mut rows, m, stuck, pushed, unit);
             } else {
-                self.raise::<R>(&mut rows, m, stuck, [f.value, a.value], unit);
+                self.raise::<R>(&mut rows, m, stuck, pushed.map(|it| it.value), unit);
             }
         }
         rows
     }
 
-    /// Computes the coefficients m + 2 from those before, with the coefficients m of f and a_g.
+    /// Computes the coefficients m + 2 from those before, with the coefficients m of f, a_g and gravity.
     #[inline(always)]
     fn raise<T: Term<R>>(
         &self,
         rows: &mut ModalSeries<R>,
         m: usize,
         stuck: &Stuck<R>,
-        [f, a]: [T; 2],
+        pushed: [T; 3],
         unit: R,
     ) {
         let n = self.whole.count();
@@ -157,7 +157,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 }
             }
         }
-        let [f, a] = [f, a].map(|push| push * T::from_real(square));
+        for (spring, shape) in &self.whole.springs {
+            let both = shape.iter().enumerate();
+            let stretched =
+                both.fold(zero, |sum, (j, phi)| T::at(q, j).fused(T::from_real(*phi), sum));
+            let pull = stretched * T::from_real(*spring * square);
+            for (force, phi) in force.iter_mut().zip(shape) {
+                *force = *force - pull * T::from_real(*phi);
+            }
+        }
+        let [f, a, gravity] = pushed.map(|push| push * T::from_real(square));
+        for (force, weight) in force.iter_mut().zip(&self.weight) {
+            *force = *force + gravity * T::of(*weight);
+        }
         if self.host.is_driven() {
             for (force, phi) in force.iter_mut().zip(self.whole.shape(self.pushed)) {
                 *force = *force + f * T::from_real(*phi);
@@ -171,7 +183,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let mut load = [zero; MOST];
             for (load, k) in load.iter_mut().zip(&stuck.masses) {
                 let felt = self.gap_shape(*k).iter().zip(&force);
-                let moved = if self.dashpots[*k].is_none() { a } else { zero };
+                let fallen = || a + gravity * T::from_real(self.gravity[*k]);
+                let moved = if self.tied[*k].is_none() { fallen() } else { zero };
                 *load = felt.fold(moved, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
             }
             for (i, k) in stuck.masses.iter().enumerate() {
@@ -185,7 +198,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         rows.set(m + 2, |j| force[j] * over);
     }
 
-    /// The coefficients of f and a_g from a state of the drive on, in powers of t = h/`unit`.
+    /// The coefficients of f, a_g and gravity from a state of the drive on, in powers of t = h/`unit`.
     pub(super) fn pushes(
         &self,
         phase: &Phase<H>,
@@ -194,43 +207,50 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let drive: Option<Drive<R>> = self.host.drive(phase, unit);
         let now = self.host.drive_now(phase);
         move |m| {
-            let Some(drive) = &drive else { return [DoubleDouble::ZERO; 2] };
-            match &now {
+            let gravity = DoubleDouble::new(if m == 0 { R::ONE } else { R::ZERO });
+            let Some(drive) = &drive else {
+                return [DoubleDouble::ZERO, DoubleDouble::ZERO, gravity];
+            };
+            let [f, a] = match &now {
                 Some(now) if m < 2 => {
                     let power = if m == 0 { R::ONE } else { unit };
                     [scaled(now.primary[m], power), scaled(now.base[m], power)]
                 }
                 _ => [drive.primary[m], drive.base[m]].map(DoubleDouble::new),
-            }
+            };
+            [f, a, gravity]
         }
     }
 
-    /// The displacement of a shape beyond a uniform motion, with that of the base or without, from the series of all modes:
+    /// What the curve of a mass is made of, beyond a uniform motion, from the series of all modes:
     /// ∬A from power 2 on up to `order`.
     #[inline(always)]
     pub(super) fn curved(
         &self,
         rows: &ModalSeries<R>,
-        (shape, with_base): (&[R], bool),
+        Followed { shape, with_base, constant }: Followed<'_, R>,
         pushes: &impl Fn(usize) -> Pushed<R>,
         (unit, order): (R, usize),
     ) -> Series<R> {
         let mut sum = Series::ZERO;
+        let based = with_base && self.host.moves_base();
         for m in 2..=order {
-            sum.set(m, rows.summed(shape, m));
-        }
-        if with_base && self.host.moves_base() {
-            for m in 2..=order {
-                let [_, a] = pushes(m - 2);
+            let mut moved = rows.summed(shape, m);
+            if based {
+                let [_, a, _] = pushes(m - 2);
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
-                let moved = scaled(a, unit * unit) * over;
-                sum.set(m, rows.summed(shape, m) + moved);
+                moved = moved + scaled(a, unit * unit) * over;
             }
+            if m == 2 && constant.value != 0.0 {
+                moved = moved + scaled(constant, unit * unit).half();
+            }
+            sum.set(m, moved);
         }
         sum
     }
 
-    /// The absolute acceleration A of the structure at the point of a mass, and its first three derivatives.
+    /// A, as the curve of a mass is made of it, and its first three derivatives: the absolute acceleration of the structure at its
+    /// point, with gravity and the spring.
     pub(super) fn shaken(&self, state: &ModalState<H, N>, k: usize) -> [R; 4] {
         let place = &state.places[k];
         place.shaken.unwrap_or_else(|| {
@@ -239,7 +259,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let order = if place.stuck { 5 } else { 3 };
             let stuck = self.stuck_in(&state.places);
             let rows = self.series(&state.modes, stuck, &pushes, R::ONE, (order, 3));
-            let followed = self.followed(k, place.stuck);
+            let followed = self.followed(k, place);
             let curved = self.curved(&rows, followed, &pushes, (R::ONE, order));
             [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
         })
@@ -250,13 +270,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         -state.places[k].side * self.shaken(state, k)[0]
     }
 
-    /// A bound on the derivative n + 1 of the displacement at a point, and of a_g n − 1, in a motion of this length from
-    /// an instant on at which the modes have these derivatives n and n + 1.
+    /// A bound on the derivative n − 1 of A, n > 0, in a motion of this length from an instant on at which the modes have these
+    /// derivatives n and n + 1.
     pub(super) fn bound(
         &self,
         derivatives: impl Fn(usize) -> [R; 2],
         stuck: &Stuck<R>,
-        (shape, with_base): (&[R], bool),
+        Followed { shape, with_base, constant }: Followed<'_, R>,
         n: usize,
         length: R,
     ) -> R {
@@ -266,7 +286,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let parts = self.whole.participation().unwrap_or(none);
         let separate = stuck.masses.is_empty() && self.whole.is_separate();
         let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
-        let mut rates = [R::ZERO; MOST_MODES];
+        let [mut lows, mut rates] = [[R::ZERO; MOST_MODES]; 2];
         for j in 0..self.whole.count() {
             let [low, high] = derivatives(j);
             let energy = high * high + self.whole.stiffness[j].value * (low * low);
@@ -280,36 +300,45 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 shapes += phi * phi;
                 forced += pushed[j] * pushed[j];
                 moved += part * part;
-                rates[j] = high;
+                (lows[j], rates[j]) = (low, high);
             }
         }
         if !separate {
+            let along = |shape: &[R], of: &[R]| {
+                shape.iter().zip(of).fold(R::ZERO, |sum, (phi, part)| phi.mul_add(*part, sum))
+            };
+            for (spring, shape) in &self.whole.springs {
+                let stretched = along(shape, &lows);
+                sum += *spring * (stretched * stretched);
+            }
             let mut dragged = R::ZERO;
-            for k in stuck.masses.iter().filter(|k| self.dashpots[**k].is_none()) {
+            for k in stuck.masses.iter().filter(|k| self.tied[**k].is_none()) {
                 let mass = self.masses[*k].mass_ratio;
-                let rate = self.shape(*k).iter().zip(&rates);
-                let rate = rate.fold(R::ZERO, |sum, (phi, rate)| sum + *phi * *rate);
+                let rate = along(self.shape(*k), &rates);
                 sum += mass * (rate * rate);
                 dragged += mass.sqrt();
             }
             let push = forced.sqrt() * f + (moved.sqrt() + dragged) * a;
             sum = shapes.sqrt() * (sum.sqrt() + length * push);
         }
-        let base = if n > 0 && with_base && self.host.moves_base() {
+        let base = if with_base && self.host.moves_base() {
             self.host.force().map_or(R::ZERO, |force| force.largest(n as i32 - 1)[1])
         } else {
             R::ZERO
         };
-        (sum + base) * MARGIN
+        let constant = if n == 1 { constant.value.abs() } else { R::ZERO };
+        (sum + base + constant) * MARGIN
     }
 
-    /// The size of the terms that are summed to the acceleration at a point.
-    pub(super) fn terms(&self, state: &ModalState<H, N>, shape: &[R]) -> R {
-        let mut sum = R::ZERO;
+    /// The size of the terms that are summed to A of a stuck mass.
+    pub(super) fn terms(&self, state: &ModalState<H, N>, k: usize) -> R {
+        let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
+        let mut sum = constant.value.abs() + self.gravity[k].abs();
         let growth = self.whole.growth();
         for (j, phi) in shape.iter().enumerate() {
             let spring = self.whole.stiffness[j].value * state.modes.places[j].value.abs();
-            sum += phi.abs() * (spring + growth * state.modes.velocities[j].value.abs());
+            let weight = self.weight.get(j).map_or(R::ZERO, |weight| weight.value.abs());
+            sum += phi.abs() * (spring + weight + growth * state.modes.velocities[j].value.abs());
         }
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(0));
         let pushed = self.whole.shape(self.pushed).iter().zip(shape);
@@ -339,7 +368,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         moved.phase = self.host.free().later(&state.phase, time);
         for k in (0..self.count).filter(|k| !chosen(*k)) {
             let place = &mut moved.places[k];
-            let curved = self.curved(&rows, self.followed(k, place.stuck), &pushes, (R::ONE, 2));
+            let curved = self.curved(&rows, self.followed(k, place), &pushes, (R::ONE, 2));
             *place = place.moved(time, curved.plain(2) * 2.0);
         }
         moved

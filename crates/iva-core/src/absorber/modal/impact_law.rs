@@ -165,7 +165,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// 1/(1/μ + φ·φ): what the impulse of an impact is, over (1 + e) w, where no mass is stuck.
     pub(super) fn reduced(&self, k: usize) -> R {
-        let lightness = match self.dashpots[k] {
+        let lightness = match self.tied[k] {
             Some(_) => R::ZERO,
             None => R::ONE / self.masses[k].mass_ratio,
         };

@@ -1,11 +1,11 @@
 //! Leaps: the motion of an undriven structure over lengths each of which is twice the one before, of which everything but the
 //! state is known beforehand.
 //!
-//! While no mass is stuck, z = (q, q̇) moves by z(t + h) = Φ(h) z(t). Φ of the shortest length is the power series of
-//! `modal/equations.rs` from each unit vector, those of the others are its squares, all in double-double. Modes that exchange no energy have
+//! While no mass is stuck, z = (q, q̇) moves by z(t + h) = Φ(h) z(t) + c(h), where c is what gravity does to a structure at rest. Φ and c of the shortest length are
+//! power series of `modal/equations.rs`, Φ from each unit vector without gravity; of twice the length they are Φ² and Φ c + c. All are in double-double. Modes that exchange no energy have
 //! blocks of 2 × 2.
 //!
-//! **Proof that a leap meets no wall** ([`Modal::coasts`]). The distance of a mass to its wall is D = G + s φ·q, with G linear in t.
+//! **Proof that a leap meets no wall** ([`Modal::coasts`]). The distance of a mass to its wall is D = L + s φ·q, with L linear in t, or quadratic where gravity acts on the mass alone.
 //! From D and Ḋ at both ends and a bound on D⁗ follows whether it stays between the walls ([`stays_clear_by`]). The bound is that of the
 //! energy of the third derivative, which never grows: it holds for all leaps of a coast, and a fast mode that hardly moves does not
 //! shorten them. Where it proves nothing a leap of half the length is tried. A leap begins at a multiple of its length, so
@@ -46,6 +46,8 @@ pub(super) struct Leaps<R> {
 struct Propagator<R> {
     high: Vec<R>,
     low: Vec<R>,
+    /// c; empty without gravity.
+    fall: Vec<DoubleDouble<R>>,
 }
 
 /// z: all q, then all q̇, in high and low parts.
@@ -55,11 +57,12 @@ struct Flown<R> {
     low: [R; 2 * MOST_MODES],
 }
 
-/// What the distance of a mass is, beside the motion of its point: G and its rate, and the sign of its wall.
+/// What the distance of a mass is, beside the motion of its point: L with its two derivatives, and the sign of its wall.
 #[derive(Clone, Copy, Default)]
 struct Line<R> {
     begin: R,
     rate: R,
+    bend: R,
     side: R,
 }
 
@@ -186,17 +189,35 @@ impl<R: Real> Propagator<R> {
             for i in 0..2 * n {
                 (z.high[i], z.low[i]) = (self.high[place(i)], self.low[place(i)]);
             }
-            self.apply(n, separate, &z, &mut to);
+            self.multiply(n, separate, &z, &mut to);
             for i in 0..2 * n {
                 (square.high[place(i)], square.low[place(i)]) = (to.high[i], to.low[i]);
             }
         }
+        for (i, fall) in self.fall.iter().enumerate() {
+            (z.high[i], z.low[i]) = (fall.value, fall.rest);
+        }
+        self.apply(n, separate, &z, &mut to);
+        for (i, fall) in square.fall.iter_mut().enumerate() {
+            *fall = DoubleDouble { value: to.high[i], rest: to.low[i] };
+        }
         square
     }
 
+    /// Φ z.
+    #[inline(always)]
+    fn multiply(&self, n: usize, separate: bool, z: &Flown<R>, to: &mut Flown<R>) {
+        if separate { self.turn(n, z, to) } else { self.product(2 * n, z, to) }
+    }
+
+    /// Φ z + c.
     #[inline(always)]
     fn apply(&self, n: usize, separate: bool, z: &Flown<R>, to: &mut Flown<R>) {
-        if separate { self.turn(n, z, to) } else { self.product(2 * n, z, to) }
+        self.multiply(n, separate, z, to);
+        for ((high, low), fall) in to.high.iter_mut().zip(&mut to.low).zip(&self.fall) {
+            let sum = *fall + DoubleDouble { value: *high, rest: *low };
+            (*high, *low) = (sum.value, sum.rest);
+        }
     }
 }
 
@@ -234,7 +255,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let unit = R::power_of_two(length);
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
-        let mut whole = Propagator { high: vec![R::ZERO; size], low: vec![R::ZERO; size] };
+        let (high, low, fall) = (vec![R::ZERO; size], vec![R::ZERO; size], vec![]);
+        let mut whole = Propagator { high, low, fall };
+        let ends = |modes: &Modes<R>, gravity: R| {
+            let still = |m: usize| {
+                let acting = if m == 0 { gravity } else { R::ZERO };
+                [R::ZERO, R::ZERO, acting].map(DoubleDouble::new)
+            };
+            let rows = self.series(modes, free, still, unit, (ORDER, EXACT));
+            rows.modes(length / unit, unit)
+        };
         for column in 0..columns {
             let mut modes = Modes::REST;
             for j in 0..n {
@@ -246,9 +276,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
                 (modes.places[j], modes.velocities[j]) = (one(q), one(v));
             }
-            let still = |_| [DoubleDouble::ZERO; 2];
-            let rows = self.series(&modes, free, still, unit, (ORDER, EXACT));
-            let ends = rows.modes(length / unit, unit);
+            let ends = ends(&modes, R::ZERO);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
                 for (i, end) in [(j, q), (n + j, v)] {
@@ -258,13 +286,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 }
             }
         }
+        if !self.weight.is_empty() {
+            let Modes { places, velocities } = ends(&Modes::REST, R::ONE);
+            whole.fall = places[..n].iter().chain(&velocities[..n]).copied().collect();
+        }
         whole
     }
 
-    /// The second derivatives of all modes while no mass is stuck, and their next two.
+    /// The derivatives 3 and 4 of all modes while no mass is stuck.
     fn bent(&self, z: &Flown<R>) -> [[R; MOST_MODES]; 2] {
         let n = self.whole.count();
-        let next = |low: &[R], high: &[R]| -> [R; MOST_MODES] {
+        let next = |low: &[R], high: &[R], weight: &[DoubleDouble<R>]| -> [R; MOST_MODES] {
             let mut bent = [R::ZERO; MOST_MODES];
             for (j, bent) in bent[..n].iter_mut().enumerate() {
                 let damped = match &self.whole.damping {
@@ -274,13 +306,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                         row.fold(R::ZERO, |sum, (element, v)| element.mul_add(*v, sum))
                     }
                 };
-                *bent = -self.whole.stiffness[j].value.mul_add(low[j], damped);
+                let pushed = weight.get(j).map_or(R::ZERO, |weight| weight.value);
+                *bent = pushed - self.whole.stiffness[j].value.mul_add(low[j], damped);
+            }
+            for (spring, shape) in &self.whole.springs {
+                let both = shape.iter().zip(low);
+                let stretched = both.fold(R::ZERO, |sum, (phi, q)| phi.mul_add(*q, sum));
+                for (bent, phi) in bent.iter_mut().zip(shape) {
+                    *bent -= *spring * stretched * *phi;
+                }
             }
             bent
         };
-        let second = next(&z.high[..n], &z.high[n..2 * n]);
-        let third = next(&z.high[n..2 * n], &second);
-        [third, next(&second, &third)]
+        let second = next(&z.high[..n], &z.high[n..2 * n], &self.weight);
+        let third = next(&z.high[n..2 * n], &second, &[]);
+        [third, next(&second, &third, &[])]
     }
 
     /// A mass at an instant of a coast.
@@ -294,7 +334,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         };
         let [u, rate, size, speed] = summed(n, of);
         let [sums, sizes] = [[u, rate], [size, speed]];
-        let straight = [line.rate.mul_add(time, line.begin), line.rate];
+        let gained = line.bend * time;
+        let straight = [(gained * 0.5 + line.rate).mul_add(time, line.begin), line.rate + gained];
         let along = |i: usize| line.side.mul_add(sums[i], straight[i]);
         let size = |i: usize| sizes[i] + straight[i].abs();
         Sight { distance: [along(0), along(1)], sizes: [size(0), size(1)] }
@@ -307,8 +348,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         remaining: R,
     ) -> (usize, Coasted<ModalState<H, N>, R>) {
         let none = (0, (*state, Clock::ZERO));
+        // Before all else, so that nothing of it is compiled for numbers that take every step.
+        if !R::FAST_PATHS {
+            return none;
+        }
         let stuck = state.places[..self.count].iter().any(|place| place.stuck);
-        let Some(leaps) = self.leaps().filter(|_| R::FAST_PATHS && !stuck) else { return none };
+        let Some(leaps) = self.leaps().filter(|_| !stuck) else { return none };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         // Begin and end of a leap, in turns.
         let mut flown = [Flown::of(&state.modes, n); 2];
@@ -319,13 +364,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let mut now = [Sight::default(); N];
         for k in 0..self.count {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
-            let still = Line { side: place.side, ..Line::default() };
+            let still =
+                Line { side: place.side, bend: place.side * self.falling(k), ..Line::default() };
             let Sight { distance: [u, rate], sizes } = self.sight(shape, &still, R::ZERO, z);
             let distance = [place.distance.value, place.rate.value];
             lines[k] = Line { begin: distance[0] - u, rate: distance[1] - rate, ..still };
             now[k] = Sight { distance, sizes };
             let of = |j: usize| [derivatives[0][j], derivatives[1][j]];
-            fourths[k] = self.bound(of, free, (shape, false), 3, R::ZERO);
+            fourths[k] = self.bound(of, free, self.followed(k, place), 3, R::ZERO);
         }
         let mut then = now;
         let top = leaps.levels.len() - 1;
@@ -373,6 +419,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         state: &ModalState<H, N>,
         steps: usize,
     ) -> Coasted<ModalState<H, N>, R> {
+        if !R::FAST_PATHS {
+            return (*state, Clock::ZERO);
+        }
         let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         let mut flown = [Flown::of(&state.modes, n); 2];
@@ -409,8 +458,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let (place, shape) = (&from.places[k], self.gap_shape(k));
         let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
         let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
-        let curved = sided(u - (u0 + v0 * time));
+        let fallen = time.times(self.falling(k));
+        let curved = sided(u - (u0 + v0 * time) + (fallen * time).half());
         let distance = place.distance + place.rate * time + curved;
-        Place { distance, rate: place.rate + sided(v - v0), shaken: None, ..*place }
+        Place { distance, rate: place.rate + sided(v - v0 + fallen), shaken: None, ..*place }
+    }
+
+    /// G of a mass in flight that nothing ties to its point; of others it is in their coordinates.
+    pub(super) fn falling(&self, k: usize) -> R {
+        if self.tied[k].is_none() { self.gravity[k] } else { R::ZERO }
     }
 }

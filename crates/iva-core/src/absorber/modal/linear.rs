@@ -2,16 +2,22 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Modal;
 use super::series::EXACT;
+use super::state::Place;
 use super::structure::Damping;
+use super::{Followed, Modal};
 use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
 use crate::host::Host;
 
 impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
     fn linear(&self) -> LinearStructure {
         let n = self.whole.count();
-        let stiffness = self.whole.stiffness.iter().map(|square| square.value);
+        let own = self.whole.stiffness.iter().map(|square| square.value);
+        let mut stiffness = DMatrix::from_diagonal(&DVector::from_iterator(n, own));
+        for (spring, shape) in &self.whole.springs {
+            let shape = DVector::from_column_slice(shape);
+            stiffness += &shape * shape.transpose() * *spring;
+        }
         let damping = match &self.whole.damping {
             Damping::Separate(rates) => {
                 let rates = rates.iter().map(|rate| rate.value);
@@ -20,14 +26,14 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
             Damping::Full(matrix) => DMatrix::from_row_slice(n, n, matrix),
         };
         LinearStructure {
-            stiffness: DVector::from_iterator(n, stiffness),
+            stiffness,
             damping,
             shapes: (0..self.count)
                 .map(|k| DVector::from_column_slice(self.gap_shape(k)))
                 .collect(),
             lightness: (0..self.count).map(|k| self.lightness(k).value).collect(),
             as_coordinates: (0..self.count)
-                .filter_map(|k| Some((k, self.dashpots[k].as_ref()?.coordinate)))
+                .filter_map(|k| Some((k, self.tied[k].as_ref()?.coordinate)))
                 .collect(),
         }
     }
@@ -42,7 +48,7 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
             place.stuck = *carried;
         }
         let pushes = self.pushes(&state.phase, 1.0);
-        let [_, base] = pushes(0);
+        let [_, base, _] = pushes(0);
         let rows = self.series(&state.modes, self.stuck_in(&places), &pushes, 1.0, (2, EXACT));
         let n = self.whole.count();
         let mut rates = DVector::zeros(2 * (n + self.count));
@@ -51,8 +57,9 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
             rates[n + j] = 2.0 * rows.plain(j, 2);
         }
         for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
-            let (shape, with_base) = self.followed(k, false);
-            let moved = if with_base { base.value } else { 0.0 };
+            let flying = Place { stuck: false, ..state.places[k] };
+            let Followed { shape, with_base, constant } = self.followed(k, &flying);
+            let moved = constant.value + if with_base { base.value } else { 0.0 };
             let a = shape
                 .iter()
                 .enumerate()

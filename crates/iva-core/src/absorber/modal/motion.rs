@@ -77,7 +77,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
             let pushes = self.system.pushes(&self.from.phase, self.unit);
-            let followed = self.system.followed(k, place.stuck);
+            let followed = self.system.followed(k, place);
             let mut curved = self.system.curved(rows, followed, &pushes, (self.unit, ORDER));
             // At a release the acceleration is set to 0 without rounding.
             if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
@@ -106,7 +106,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
 
     /// A bound on |A| at the point of a mass.
     pub(super) fn most_shaken(&self, k: usize) -> R {
-        let followed = self.system.followed(k, self.from.places[k].stuck);
+        let followed = self.system.followed(k, &self.from.places[k]);
         self.system.bound(self.derivatives(1), self.stuck, followed, 1, self.reach)
     }
 
@@ -224,13 +224,13 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     /// Σ c ∫ ẏ² dh of the dashpots in the gaps.
     fn lost_in_gaps(&self, rates: &[Row<R>], h: R) -> R {
         let flying = (0..self.system.count).filter(|k| !self.from.places[*k].stuck);
-        let dashpots = flying.filter_map(|k| self.system.dashpots[k].as_ref());
-        dashpots.fold(R::ZERO, |sum, dashpot| {
+        let tied = flying.filter_map(|k| self.system.tied[k].as_ref());
+        tied.fold(R::ZERO, |sum, tied| {
             let speed: Row<R> = std::array::from_fn(|m| {
-                let both = dashpot.shape.iter().zip(rates);
+                let both = tied.shape.iter().zip(rates);
                 both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
             });
-            sum + dashpot.damping * self.integral(&speed, &speed, h)
+            sum + tied.tie.damping * self.integral(&speed, &speed, h)
         })
     }
 
@@ -251,8 +251,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         }
         let mut momentum = seen(system.whole.participation().unwrap_or(&[]));
         for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
-            // A mass with a dashpot takes part as a coordinate of the structure.
-            if system.dashpots[k].is_some() {
+            // A tied mass takes part as a coordinate of the structure.
+            if system.tied[k].is_some() {
                 continue;
             }
             let moving = if place.stuck {
@@ -262,7 +262,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                 let mut moving = [R::ZERO; ORDER + 1];
                 moving[0] = v.value + place.gap(mass).w;
                 for m in 0..ORDER {
-                    moving[m + 1] = -(drive.base[m] * R::reciprocal(m + 1) * self.unit);
+                    let gravity = if m == 0 { system.gravity[k] } else { R::ZERO };
+                    moving[m + 1] = -((drive.base[m] + gravity) * R::reciprocal(m + 1) * self.unit);
                 }
                 moving
             };
@@ -329,6 +330,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
                     u = phi.mul_add(moved, u);
                     v = phi.mul_add(modes.velocities[j].value - rate, v);
                 }
+                let gained = system.falling(k) * h;
+                (u, v) = (u + gained * h * 0.5, v + gained);
                 let distance =
                     place.side.mul_add(u, place.rate.value.mul_add(h, place.distance.value));
                 let rate = place.side.mul_add(v, place.rate.value);
@@ -409,7 +412,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         if absorber >= self.system.count {
             return None;
         }
-        if self.system.dashpots[absorber].is_none() || self.from.places[absorber].stuck {
+        if self.system.tied[absorber].is_none() && self.system.gravity[absorber] == 0.0 {
             return Some(self.system.shaken(&self.state(h), absorber)[0]);
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
@@ -521,7 +524,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
     }
 
     fn fourth(&self) -> R {
-        let followed = self.system.followed(self.at_hand(), self.is_stuck());
+        let k = self.at_hand();
+        let followed = self.system.followed(k, &self.from.places[k]);
         let n = if self.is_stuck() { 5 } else { 3 };
         self.system.bound(self.derivatives(n), self.stuck, followed, n, self.reach)
     }
@@ -529,7 +533,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
     fn magnitude(&self) -> R {
         let k = self.at_hand();
         if self.is_stuck() {
-            self.system.terms(&self.from, self.system.shape(k))
+            self.system.terms(&self.from, k)
         } else {
             self.system.masses[k].clearance
         }

@@ -42,7 +42,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
         Point { x: x.value, v: v.value }
     }
 
-    /// That of all modes and masses.
+    /// That of all modes, masses and springs; a weight has none on its lower stop.
     fn energy(&self, state: &Self::State) -> R {
         let mut sum = R::ZERO;
         for (j, stiffness) in self.whole.stiffness.iter().enumerate() {
@@ -50,8 +50,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
             sum += (stiffness.value * (q * q) + v * v) * 0.5;
         }
         for (k, (mass, gap)) in self.masses().iter().zip(self.each_gap(state)).enumerate() {
-            // That of a mass with a dashpot is that of a coordinate.
-            if self.dashpots[k].is_some() {
+            if self.gravity[k] != 0.0 {
+                let height = mass.clearance + (gap.y - mass.offset);
+                sum += mass.mass_ratio * self.gravity[k] * height;
+            }
+            if let Some(tied) = &self.tied[k] {
+                // It moves as a coordinate does.
+                sum += tied.tie.spring * 0.5 * (gap.y * gap.y);
                 continue;
             }
             let [_, v] = state.modes.of_point(self.shape(k));

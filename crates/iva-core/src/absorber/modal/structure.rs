@@ -16,6 +16,8 @@ pub struct ModalStructure<R = f64> {
     /// ωⱼ².
     pub(super) stiffness: Vec<DoubleDouble<R>>,
     pub(super) damping: Damping<R>,
+    /// Springs between coordinates: k φφᵀ for each k and φ.
+    pub(super) springs: Vec<(R, Vec<R>)>,
     /// Names and shapes.
     points: Vec<(String, Vec<R>)>,
     /// Γⱼ; `None` if the base does not move.
@@ -51,7 +53,7 @@ impl<R: Real> ModalStructure<R> {
     }
 
     pub(super) fn of(stiffness: Vec<DoubleDouble<R>>, damping: Damping<R>) -> Self {
-        Self { stiffness, damping, points: Vec::new(), participation: None }
+        Self { stiffness, damping, springs: vec![], points: vec![], participation: None }
     }
 
     /// The same structure with a full damping matrix of its modes, row by row, in place of damping ratios.
@@ -210,7 +212,10 @@ impl<R: Real> ModalStructure<R> {
 
     /// Λ: a bound on the factor by which each further derivative of a motion grows.
     pub(super) fn growth(&self) -> R {
-        let stiffest = self.stiffness.iter().fold(R::ZERO, |most, k| most.max(k.value));
+        let own = self.stiffness.iter().fold(R::ZERO, |most, k| most.max(k.value));
+        let stiffest = self.springs.iter().fold(own, |sum, (spring, shape)| {
+            sum + *spring * shape.iter().fold(R::ZERO, |sum, phi| phi.mul_add(*phi, sum))
+        });
         let n = self.count();
         let damped = match &self.damping {
             Damping::Separate(rates) => {

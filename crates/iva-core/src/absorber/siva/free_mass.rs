@@ -72,6 +72,16 @@ impl<R: Real> FreeMass<R> {
         Ok(Self { offset, ..self })
     }
 
+    /// Mass ratio μ.
+    pub fn mass_ratio(&self) -> R {
+        self.mass_ratio
+    }
+
+    /// The middle of the gap, as a value of y.
+    pub fn offset(&self) -> R {
+        self.offset
+    }
+
     /// One-sided clearance d.
     pub fn clearance(&self) -> R {
         self.clearance

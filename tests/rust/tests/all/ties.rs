@@ -1,33 +1,34 @@
-//! Free masses with a dashpot in their gap.
+//! Free masses with a spring or a dashpot in their gap, on lines of motion that may rise.
 //!
-//! Numbers come from a closed form (a mass in a wide gap slows down by e^(−cτ/μ)), from masses without dashpot, from the
-//! ledger of energies, and from twice the precision.
+//! Numbers come from closed forms (in a wide gap a mass slows down by e^(−cτ/μ), swings with √(k/μ), and falls by G τ²/2), from masses
+//! without ties and on one mode, from the ledger of energies, and from twice the precision.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     absorber::modal::{Modal, ModalStart, ModalStructure},
     flight::GapPoint,
-    force::Acts,
+    force::{Acts, Force},
     host::UndrivenHost,
     real::{Real, twofold::Twofold},
     run::{Run, run},
     simulate::{Limits, Outcome},
-    siva::FreeMass,
+    siva::{FreeMass, Siva},
 };
 use iva_tests::modal::{
     Mass, POINTS, Row, any_mass, any_start, any_structure, built, furthest, instants, push, reals,
-    rows,
+    rows, ties,
 };
 use iva_tests::rng::Rng;
 
-/// One mass μ with e and d on one mode of damping ratio ζ, and the dashpot c.
-fn system<R: Real>([mu, e, d, zeta, c]: [f64; 5]) -> Modal<UndrivenHost<R>, 1> {
+/// One mass μ with e and d on one mode of damping ratio ζ, with a spring k and a dashpot c.
+fn system<R: Real>([mu, e, d, zeta, k, c]: [f64; 6]) -> Modal<UndrivenHost<R>, 1> {
     let n = R::from;
     let structure = ModalStructure::new(&[n(1.0)], &[n(zeta)]).unwrap();
     let structure = structure.with_point("top", &[n(1.0)]).unwrap();
     let structure = structure.with_base(&[n(1.0)]).unwrap();
     let mass = FreeMass::new(n(mu), n(e), n(d)).unwrap();
-    Modal::new(structure, [(mass, "top")]).unwrap().with_dashpots(&[n(c)]).unwrap()
+    Modal::new(structure, [(mass, "top")]).unwrap().with_ties(&ties(&[[k, c]])).unwrap()
 }
 
 fn start<R: Real>([x, v, y, w]: [f64; 4]) -> ModalStart<R, 1> {
@@ -39,7 +40,7 @@ fn start<R: Real>([x, v, y, w]: [f64; 4]) -> ModalStart<R, 1> {
 #[test]
 fn a_slow_mass_creeps_through_its_gap() {
     let [mu, c, w] = [1e-12, 0.2e-12, 0.3];
-    let system = system::<f64>([mu, 0.5, 5.0, 0.0, c]);
+    let system = system::<f64>([mu, 0.5, 5.0, 0.0, 0.0, c]);
     let found = run(&system, &start([0.0, 0.0, -1.0, w]), &limits(8.0)).unwrap();
     let at = system.gaps(&found.tally.state)[0];
     let rate = c / mu;
@@ -48,6 +49,70 @@ fn a_slow_mass_creeps_through_its_gap() {
     // The structure of mass 10¹² moves by as little.
     assert!((at.w - speed).abs() < 1e-11, "{} {speed}", at.w);
     assert!((at.y - way).abs() < 1e-11, "{} {way}", at.y);
+}
+
+/// In a wide gap over a heavy structure at rest a mass on a spring swings with √(k/μ) about where it hangs, y = −μG/k, and one
+/// without a spring falls.
+#[test]
+fn a_mass_swings_on_its_spring_and_falls_without() {
+    let [mu, k, gravity, duration] = [1e-12_f64, 0.49e-12, 0.02, 9.0];
+    let begin = start([0.0, 0.0, -0.5, 0.3]);
+    let with = |k: f64| {
+        let system = system::<f64>([mu, 0.5, 5.0, 0.0, k, 0.0]);
+        let system = system.with_gravity(&[gravity]).unwrap();
+        let found = run(&system, &begin, &limits(duration)).unwrap();
+        assert!(found.impacts.is_empty());
+        assert!(found.measures.energy_residual.abs() < 1e-28);
+        system.gaps(&found.tally.state)[0]
+    };
+    let (swung, omega) = (with(k), (k / mu).sqrt());
+    let (sine, cosine) = (omega * duration).sin_cos();
+    let hanging = -gravity / (omega * omega);
+    let y = hanging + (-0.5 - hanging) * cosine + 0.3 / omega * sine;
+    let w = -omega * (-0.5 - hanging) * sine + 0.3 * cosine;
+    assert!((swung.y - y).abs() < 1e-11 && (swung.w - w).abs() < 1e-11, "{swung:?} {y} {w}");
+    let (fallen, way) = (with(0.0), 0.3 * duration - gravity * duration * duration * 0.5 - 0.5);
+    assert!((fallen.y - way).abs() < 1e-11, "{fallen:?} {way}");
+    assert!((fallen.w - (0.3 - gravity * duration)).abs() < 1e-11, "{fallen:?}");
+}
+
+/// On one mode and an inclined line a mass is the one of the equations of one mode, in decays and under forces, with its sticks.
+#[test]
+fn on_one_mode_gravity_is_that_of_one_mode() {
+    let mut rng = Rng::new(74);
+    let [mut impacts, mut episodes] = [0, 0];
+    for round in 0..24 {
+        let [mu, e, d] = [rng.log_range(0.02, 0.4), rng.range(0.1, 0.9), rng.range(0.2, 1.0)];
+        let [zeta, gravity] = [rng.range(0.0, 0.05), rng.log_range(0.02, 0.5)];
+        let force = match round % 3 {
+            0 => Force::default(),
+            1 => push(0.3, 0.8, Acts::Primary),
+            _ => push(0.3, 0.8, Acts::Base),
+        };
+        let siva = Siva::new(mu, e, d, zeta).unwrap().inclined(gravity, force.clone());
+        let begin = Start { displacement: 1.0, gap_displacement: -d, ..Start::default() };
+        let one = run(&siva, &begin, &limits(15.0)).unwrap();
+        let modal = system::<f64>([mu, e, d, zeta, 0.0, 0.0]).with_gravity(&[gravity]).unwrap();
+        let begin = start([1.0, 0.0, -d, 0.0]);
+        let other = match round % 3 {
+            0 => {
+                run(&modal, &begin, &limits(15.0)).map(|it| (it.impacts, it.episodes, it.measures))
+            }
+            _ => run(&modal.under(force, "top").unwrap(), &begin, &limits(15.0))
+                .map(|it| (it.impacts, it.episodes, it.measures)),
+        };
+        let (other, sticks, measures) = other.unwrap();
+        assert_eq!((one.impacts.len(), one.episodes.len()), (other.len(), sticks.len()), "{round}");
+        let few = one.impacts.len().min(12);
+        let off = furthest(&rows(&one.impacts[..few]), &rows(&other[..few]));
+        assert!(off < 1e-12, "{round}: {off:e}");
+        let lost = [one.measures.energy_viscous, measures.energy_viscous];
+        assert!((lost[0] - lost[1]).abs() < 1e-11, "{round}: {lost:?}");
+        impacts += one.impacts.len();
+        episodes += sticks.len();
+    }
+    println!("{impacts} impacts, {episodes} episodes");
+    assert!(impacts > 300 && episodes > 10, "{impacts} {episodes}");
 }
 
 fn limits<R: Real>(duration: f64) -> Limits<R> {
@@ -62,16 +127,19 @@ struct Told {
     energies: [f64; 4],
 }
 
-/// Three masses on three modes, of which the last two have a dashpot: in free decay, under a force, or on a moving base.
+/// Three masses on three modes, of which the last two have a dashpot and the last a spring, on lines that rise in every other scene: in free decay, under a force, or on a moving base.
 fn mixed<R: Real>(seed: u64) -> Told {
     let mut rng = Rng::new(900 + seed);
-    let dashpots = [0.0, rng.log_range(1e-3, 0.1), rng.log_range(1e-3, 0.1)];
+    let mut any = || rng.log_range(1e-3, 0.1);
+    let tied = [[0.0, 0.0], [0.0, any()], [any(), any()]];
+    let gravity = [0.0, any(), any()].map(|along| if seed.is_multiple_of(2) { along } else { 0.0 });
     let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
     let full = rng.unit() > 0.5;
     let structure = any_structure::<R>(&mut rng, 3, full);
     let at: [_; 3] = std::array::from_fn(|k| (built::<R>(masses[k]), POINTS[k]));
     let start = any_start::<R, 3>(&mut rng, 3, &masses);
-    let system = Modal::new(structure, at).unwrap().with_dashpots(&reals(&dashpots)).unwrap();
+    let system = Modal::new(structure, at).unwrap().with_ties(&ties(&tied)).unwrap();
+    let system = system.with_gravity(&reals(&gravity)).unwrap();
     let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
     match acts {
         None => told(&run(&system, &start, &limits(20.0)).unwrap()),
@@ -116,9 +184,9 @@ fn ledgers_close_and_doubles_agree_with_twice_the_precision() {
     assert!(worst < 1e-12 && impacts > 300 && episodes > 20, "{worst:e} {impacts} {episodes}");
 }
 
-/// A dashpot of 10⁻³⁰ changes nothing that is not rounding, though its mass is a coordinate of the structure then.
+/// A spring and a dashpot of 10⁻³⁰ change nothing that is not rounding, though its mass is a coordinate of the structure then.
 #[test]
-fn a_vanishing_dashpot_changes_nothing() {
+fn vanishing_ties_change_nothing() {
     let mut rng = Rng::new(47);
     let [mut impacts, mut episodes] = [0, 0];
     for round in 0..20 {
@@ -127,7 +195,7 @@ fn a_vanishing_dashpot_changes_nothing() {
         let at = std::array::from_fn(|k| (built::<Twofold>(masses[k]), POINTS[k]));
         let start = any_start::<Twofold, 2>(&mut rng, 3, &masses);
         let bare = Modal::new(structure, at).unwrap();
-        let with = bare.clone().with_dashpots(&reals(&[1e-30, 1e-30])).unwrap();
+        let with = bare.clone().with_ties(&ties(&[[0.0, 1e-30], [1e-30, 0.0]])).unwrap();
         let acts = if round % 4 < 2 { Acts::Primary } else { Acts::Base };
         let of = |system: Modal<UndrivenHost<Twofold>, 2>| {
             let system = system.under(push(0.4, 0.9, acts), POINTS[3]).unwrap();
@@ -148,14 +216,15 @@ fn a_vanishing_dashpot_changes_nothing() {
     assert!(impacts > 200 && episodes > 10, "{impacts} {episodes}");
 }
 
-/// No dashpot is the structure without, to the bit; what is out of range is told.
+/// No tie is the structure without, to the bit; what is out of range is told.
 #[test]
 fn none_is_none_and_wrong_ones_are_refused() {
-    let numbers = [0.1, 0.6, 0.4, 0.01, 0.0];
+    let numbers = [0.1, 0.6, 0.4, 0.01, 0.0, 0.0];
     let found = run(&system::<f64>(numbers), &start([1.0, 0.0, 0.0, 0.0]), &limits(20.0)).unwrap();
     assert!(!found.impacts.is_empty() && found.measures.energy_pivot == 0.0);
     let refused =
-        |dashpots: &[f64]| system::<f64>(numbers).with_dashpots(dashpots).unwrap_err().to_string();
-    assert_eq!(refused(&[-1.0]), "absorber.0.gap_damping = -1: give 0 or more");
-    assert_eq!(refused(&[]), "absorber.gap_damping = 0 numbers: give 1");
+        |tied: &[[f64; 2]]| system::<f64>(numbers).with_ties(&ties(tied)).unwrap_err().to_string();
+    assert_eq!(refused(&[[0.0, -1.0]]), "absorber.0.gap_damping = -1: give 0 or more");
+    assert_eq!(refused(&[[-1.0, 0.0]]), "absorber.0.spring = -1: give 0 or more");
+    assert_eq!(refused(&[]), "absorber.spring = 0 numbers: give 1");
 }

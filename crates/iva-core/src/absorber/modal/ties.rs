@@ -1,0 +1,146 @@
+//! Masses tied to their points by a spring or a dashpot: coordinates of the structure.
+//!
+//! A spring and a dashpot pull at a mass and at its point with k y + c ẏ; the spring is slack at y = 0, wherever the walls are. A mass that has one is a coordinate p = √μ x₁ of the
+//! structure, of frequency 0, so that the gap displacement y = x₁ − u is a motion of the structure alone:
+//!
+//! ```text
+//! y = −φᵀq,    φ = (φ of the point, …, −1/√μ, …),    K gains k φφᵀ,    D gains c φφᵀ.
+//! ```
+//!
+//! With this shape of the gap the mass is one among others, in the limit of an infinite mass that rests: its 1/μ is 0 in the
+//! impact law and while it is stuck, and gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
+//! presses on that as any other mass does, less what the spring pulls: the dashpot is at rest.
+
+use super::structure::ModalStructure;
+use super::{MOST_MODES, Modal};
+use crate::error::{Invalid, number};
+use crate::host::{Host, UndrivenHost};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+
+/// What ties a mass to its point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tie<R> {
+    /// k of a linear spring, over the unit of mass and the square of that of frequency.
+    pub spring: R,
+    /// c of a linear dashpot, over the unit of mass and that of frequency.
+    pub damping: R,
+}
+
+/// What a mass that is tied to its point is to the structure.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tied<R> {
+    pub tie: Tie<R>,
+    /// φ of the gap.
+    pub shape: Vec<R>,
+    /// The index of p.
+    pub coordinate: usize,
+    /// √μ: how the base takes part in p.
+    root: R,
+}
+
+impl<R: Real> Tie<R> {
+    /// A mass that nothing ties to its point.
+    pub const NONE: Self = Self { spring: R::ZERO, damping: R::ZERO };
+
+    /// Checks the numbers of the mass of an index.
+    fn check(&self, k: usize) -> Result<(), Invalid> {
+        for (name, value) in [("spring", self.spring), ("gap_damping", self.damping)] {
+            let field = format!("absorber.{k}.{name}");
+            range::size(&field, value)?;
+            if value < 0.0 {
+                return Err(Invalid::new(field, number(value.double()), "give 0 or more"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
+    /// The same masses, each tied to its point.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a negative number or one out of [`crate::range`], for ties that are not as many as masses, and if modes
+    /// and tied masses are more than [`MOST_MODES`].
+    pub fn with_ties(self, ties: &[Tie<R>]) -> Result<Self, Invalid> {
+        super::structure::same("absorber.spring", ties.len(), self.count)?;
+        for (k, tie) in ties.iter().enumerate() {
+            tie.check(k)?;
+        }
+        let own = self.whole.count();
+        let coupled: Vec<usize> = (0..self.count).filter(|k| ties[*k] != Tie::NONE).collect();
+        let count = own + coupled.len();
+        if count > MOST_MODES {
+            let rule =
+                format!("modes and masses with a spring or dashpot are {MOST_MODES} at most");
+            return Err(Invalid::new("absorber.spring", number(count as f64), rule));
+        }
+        if coupled.is_empty() {
+            return Ok(self);
+        }
+        let mut all = std::array::from_fn(|_| None);
+        for (index, &k) in coupled.iter().enumerate() {
+            let root = self.masses[k].mass_ratio.sqrt();
+            let coordinate = own + index;
+            let mut shape = self.whole.shape(self.at[k]).to_vec();
+            shape.resize(count, R::ZERO);
+            shape[coordinate] = -(R::ONE / root);
+            all[k] = Some(Tied { tie: ties[k], shape, coordinate, root });
+        }
+        let of_all: Vec<&Tied<R>> = all.iter().flatten().collect();
+        let whole = self.whole.with_masses(&of_all);
+        Ok(Self { tied: all, whole, ..self }.completed())
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// Number of modes that are the structure's own.
+    pub(super) fn own_modes(&self) -> usize {
+        self.structure.count()
+    }
+
+    /// 1/μ, or 0 for a mass that is a coordinate of the structure.
+    pub(super) fn lightness(&self, k: usize) -> DoubleDouble<R> {
+        match &self.tied[k] {
+            Some(_) => DoubleDouble::ZERO,
+            None => DoubleDouble::new(R::ONE).over(self.masses[k].mass_ratio),
+        }
+    }
+
+    /// √μ (u + y) and √μ (u̇ + w) of each tied mass, at their coordinates.
+    pub(super) fn positions(&self, places: &mut [DoubleDouble<R>], of_gaps: impl Fn(usize) -> R) {
+        for (k, tied) in self.tied.iter().enumerate() {
+            let Some(tied) = tied else { continue };
+            let both = places.iter().zip(self.shape(k));
+            let u = both.fold(DoubleDouble::ZERO, |sum, (q, phi)| sum + q.times(*phi));
+            places[tied.coordinate] = u.plus(of_gaps(k)).times(tied.root);
+        }
+    }
+
+    /// k y/μ: the acceleration by which its spring pulls a mass back, which has this place.
+    pub(super) fn pulled(&self, k: usize, y: R) -> DoubleDouble<R> {
+        let spring = self.tied[k].as_ref().map_or(R::ZERO, |tied| tied.tie.spring);
+        DoubleDouble::new(spring).times(y).over(self.masses[k].mass_ratio)
+    }
+}
+
+impl<R: Real> ModalStructure<R> {
+    /// The structure of which these masses are coordinates.
+    fn with_masses(&self, tied: &[&Tied<R>]) -> Self {
+        let count = self.count() + tied.len();
+        let mut damping = self.extended_damping(count);
+        for Tied { tie, shape, .. } in tied {
+            for (i, a) in shape.iter().enumerate() {
+                for (j, b) in shape.iter().enumerate() {
+                    damping[i * count + j] += tie.damping * (*a * *b);
+                }
+            }
+        }
+        let masses: Vec<R> = tied.iter().map(|it| it.root).collect();
+        let mut wider = self.extended(damping, &masses);
+        let springs = tied.iter().filter(|it| it.tie.spring != 0.0);
+        wider.springs = springs.map(|it| (it.tie.spring, it.shape.clone())).collect();
+        wider
+    }
+}
