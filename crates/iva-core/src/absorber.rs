@@ -211,13 +211,13 @@ pub trait Absorber: ImpactLaw {
     fn walls_reachable(&self) -> bool {
         true
     }
-    /// True if the absorber rubs on its structure: a flight also ends where it stops in the gap, and friction may hold it
+    /// True if the absorber of this index rubs on its structure: a flight also ends where it stops in the gap, and friction may hold it
     /// there. Then the methods below have a meaning; by default nothing rubs.
     #[inline(always)]
-    fn slides(&self) -> bool {
+    fn rubs(&self, _absorber: usize) -> bool {
         false
     }
-    /// True if friction holds the absorber in its gap.
+    /// True if friction holds the absorber at hand in its gap.
     fn is_held(&self, _state: &Self::State) -> bool {
         false
     }
@@ -255,7 +255,7 @@ pub trait Absorber: ImpactLaw {
     ) -> Option<(Self::State, Self::Real)> {
         None
     }
-    /// The energy that friction takes in a slide between two states, per primary mass.
+    /// The energy that friction takes in the slides of all absorbers between two states, per primary mass.
     fn rubbed(&self, _ends: [&Self::State; 2]) -> Self::Real {
         Self::Real::ZERO
     }

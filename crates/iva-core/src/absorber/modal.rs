@@ -44,7 +44,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`. Springs and dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`.
+//! Impacts: `modal/impact_law.rs`. Friction: `modal/friction.rs`. Springs and dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`.
 
 use std::sync::OnceLock;
 
@@ -64,15 +64,17 @@ pub use state::{ModalState, Modes, Place};
 pub use structure::ModalStructure;
 pub use ties::Tie;
 
-use equations::Stuck;
+use equations::{Regime, Stuck};
 use leaps::Leaps;
 use ties::Tied;
 
 mod absorber;
 mod equations;
+mod friction;
 pub mod impact_law;
 mod leaps;
 mod linear;
+mod losses;
 mod matrices;
 mod motion;
 mod on_structure;
@@ -116,9 +118,11 @@ pub struct Modal<H: Host, const N: usize = MOST> {
     tied: [Option<Tied<H::Real>>; N],
     /// G along the line of motion of each mass.
     gravity: [H::Real; N],
+    /// The deceleration R of each mass that slides, by friction.
+    friction: [H::Real; N],
     /// What the weight of all masses does to the modes; empty without.
     weight: Vec<DoubleDouble<H::Real>>,
-    /// What a set of stuck masses needs, made when the set first is.
+    /// What a set of stuck or held masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
     reach: H::Real,
@@ -176,12 +180,31 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             mobility: [[DoubleDouble::ZERO; N]; N],
             tied: std::array::from_fn(|_| None),
             gravity: [R::ZERO; N],
+            friction: [R::ZERO; N],
             weight: vec![],
             stuck: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
         Ok(modal.completed())
+    }
+
+    /// The same masses with Coulomb friction, which decelerates each that slides by R, an acceleration.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
+    pub fn with_friction(mut self, friction: &[R]) -> Result<Self, Invalid> {
+        structure::same("absorber.friction", friction.len(), self.count)?;
+        for (k, (own, given)) in self.friction.iter_mut().zip(friction).enumerate() {
+            let field = format!("absorber.{k}.friction");
+            range::size(&field, *given)?;
+            if *given < 0.0 {
+                let value = crate::error::number(given.double());
+                return Err(Invalid::new(field, value, "give 0 or more"));
+            }
+            *own = *given;
+        }
+        Ok(self.completed())
     }
 
     /// The same masses with gravity G along the line of motion of each, which rises towards wall +.
@@ -226,6 +249,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             mobility: self.mobility,
             tied: self.tied.clone(),
             gravity: self.gravity,
+            friction: self.friction,
             weight: vec![],
             stuck: vec![],
             reach: R::ZERO,
@@ -288,6 +312,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         self.tied.get(mass).and_then(Option::as_ref).map_or(Tie::NONE, |tied| tied.tie)
     }
 
+    /// The deceleration R of each mass that slides, by friction.
+    pub fn friction(&self) -> &[R] {
+        &self.friction[..self.count]
+    }
+
     /// G along the line of motion of each mass.
     pub fn gravity(&self) -> &[R] {
         &self.gravity[..self.count]
@@ -325,13 +354,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// What the curve of a mass is made of: the motion of its gap in flight, that of the point which has to carry it while it is stuck.
     fn followed(&self, k: usize, place: &Place<R>) -> Followed<'_, R> {
         let gravity = DoubleDouble::new(self.gravity[k]);
-        if place.stuck {
+        if place.carried() {
             let constant = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
             return Followed { shape: self.shape(k), with_base: true, constant };
         }
         // What reaches a tied mass reaches it by its coordinate.
         let alone = self.tied[k].is_none();
-        let constant = if alone { gravity } else { DoubleDouble::ZERO };
+        let constant =
+            if alone { gravity.plus(self.rubbing(k, place)) } else { DoubleDouble::ZERO };
         Followed { shape: self.gap_shape(k), with_base: alone, constant }
     }
 
@@ -341,11 +371,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         (k, &self.masses[k], state.places[k])
     }
 
-    /// What the masses that are stuck in a state need.
-    fn stuck_in(&self, places: &[Place<R>; N]) -> &Stuck<R> {
-        let stuck = |k: &usize| places[*k].stuck;
-        let set: usize = (0..self.count).filter(stuck).map(|k| 1 << k).sum();
-        self.stuck[set].get_or_init(|| self.stuck_set((0..self.count).filter(stuck).collect()))
+    /// What the equations of the modes are while the masses have these places.
+    fn regime(&self, places: &[Place<R>; N]) -> Regime<'_, R, N> {
+        let carried = |k: &usize| places[*k].carried();
+        let set: usize = (0..self.count).filter(carried).map(|k| 1 << k).sum();
+        let made = || self.stuck_set((0..self.count).filter(carried).collect());
+        let rubbing = std::array::from_fn(|k| self.rubbing(k, &places[k]));
+        Regime { stuck: self.stuck[set].get_or_init(made), rubbing }
     }
 
     /// The mass ratio of all masses together.

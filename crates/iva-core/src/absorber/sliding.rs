@@ -247,7 +247,7 @@ impl<R: Real> Absorber for Sliding<R> {
     }
 
     #[inline]
-    fn slides(&self) -> bool {
+    fn rubs(&self, _absorber: usize) -> bool {
         self.friction != 0.0
     }
 

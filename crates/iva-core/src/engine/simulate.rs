@@ -117,6 +117,10 @@ pub(crate) struct Run<'a, S: Absorber, O> {
     others: f64,
     /// The sums of all absorbers when the one at hand was taken at hand.
     since: Own<S::Real>,
+    /// True if an absorber rubs.
+    rubs: bool,
+    /// Which absorbers friction holds, a bit each, as observers know it.
+    held: u64,
 }
 
 /// Number of segments between two checks of the cancel flag.
@@ -180,6 +184,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             waiting: Waiting::all(system.absorbers()),
             others: 0.0,
             since: Own::default(),
+            rubs: (0..system.absorbers()).any(|absorber| system.rubs(absorber)),
+            held: 0,
         }
     }
 
@@ -188,6 +194,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let (system, state) = (self.system, self.tally.state);
         let from = Instant { time: self.progress.clock, state };
         self.observer.start(system, &from, self.limits.duration);
+        self.held = self.held_now();
         if !system.energy(&state).is_finite() {
             self.tally.outcome = Outcome::NotFinite;
             self.ended = true;
@@ -257,7 +264,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let system = self.system;
         let remaining = self.coasted_first(remaining);
         let state = self.tally.state;
-        if system.slides() {
+        if system.rubs(system.at_hand(&state)) {
             return if system.is_held(&state) {
                 self.hold(remaining)
             } else {
@@ -409,11 +416,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
         self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
-        if self.system.is_held(&before) && !self.system.is_held(&after) {
-            let from = Instant { time: self.progress.clock, state: after };
-            self.observer.slip(self.system, &from);
-        }
         self.tally.state = after;
+        self.tell_slips();
         self.progress = self.progress.moved(true, self.progress.clock, R::INFINITY);
         if self.system.absorbers() > 1 {
             return self.settle();

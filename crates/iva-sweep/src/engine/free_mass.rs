@@ -62,9 +62,9 @@ pub(crate) fn weight<R: Real>(
     Ok(Some(Weight { gravity, along, friction: coefficient.map(|it| it * pressing) }))
 }
 
-/// The line of motion of an absorber, where it is inclined.
-pub(super) fn inclination<R: Real>(given: &Given<'_, R>) -> Option<(FieldId, R)> {
-    let fields = [FieldId::Inclination, FieldId::InclinationDeg].into_iter();
+/// The inclination or the friction of an absorber, where weight does something to it.
+pub(super) fn weighs<R: Real>(given: &Given<'_, R>) -> Option<(FieldId, R)> {
+    let fields = [FieldId::Inclination, FieldId::InclinationDeg, FieldId::Friction].into_iter();
     fields.filter_map(|field| Some((field, given.get(field)?))).find(|(_, value)| *value != 0.0)
 }
 

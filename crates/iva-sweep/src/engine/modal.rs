@@ -59,14 +59,14 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// and in a list an inclination.
+/// and in a list an inclination or friction.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     ties::given(given).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
         let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
         let mut masses = masses.filter(|own| several && own.choices().kind == Kind::Siva);
         masses.find_map(|own| {
-            let (field, value) = free_mass::inclination(&own)?;
+            let (field, value) = free_mass::weighs(&own)?;
             Some((own.path(field), value.double()))
         })
     })
@@ -90,19 +90,27 @@ pub(super) fn on_primary<R: Real>(
 }
 
 /// Absorbers at points of a structure, with their places in their gaps, what ties them to their points, and gravity along their lines of
-/// motion.
+/// motion, and friction.
 struct Riding<'a, R> {
     masses: Vec<(FreeMass<R>, &'a str)>,
     gaps: Vec<GapPoint<R>>,
     ties: Vec<Tie<R>>,
     along: Vec<R>,
+    friction: Vec<R>,
     /// In the user's unit, where it acts along a line of motion; `None` also where it is not the same for all.
     gravity: Option<R>,
 }
 
 impl<'a, R: Real> Riding<'a, R> {
     fn none() -> Self {
-        Self { masses: vec![], gaps: vec![], ties: vec![], along: vec![], gravity: None }
+        Self {
+            masses: vec![],
+            gaps: vec![],
+            ties: vec![],
+            along: vec![],
+            friction: vec![],
+            gravity: None,
+        }
     }
 
     /// All units of all absorbers of a list.
@@ -122,6 +130,7 @@ impl<'a, R: Real> Riding<'a, R> {
             all.gaps.push(gap);
             all.ties.push(Tie { spring: spring * share, damping: damping * share });
             all.along.push(weight.map_or(R::ZERO, |weight| weight.along));
+            all.friction.push(weight.and_then(|weight| weight.friction).unwrap_or(R::ZERO));
             gravities.extend(weight.map(|weight| weight.gravity));
             Ok(())
         })?;
@@ -140,12 +149,12 @@ fn mounted<R: Real>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Scene<R>, Invalid> {
-    let Riding { masses, gaps, ties, along, gravity } = riding;
+    let Riding { masses, gaps, ties, along, friction, gravity } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
     let system = Modal::of(modes, &masses)?.seen_at(seen)?;
-    let system = system.with_ties(&ties)?.with_gravity(&along)?;
+    let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
     if Scene::undriven(&force) {
         return Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })));

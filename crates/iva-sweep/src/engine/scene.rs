@@ -200,9 +200,15 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// True if the absorber rubs on its way.
+    /// True if an absorber rubs on its way.
     pub fn rubs(&self) -> bool {
-        matches!(self, Scene::Sliding(_))
+        let any = |friction: &[R]| friction.iter().any(|friction| *friction != 0.0);
+        match self {
+            Scene::Sliding(_) => true,
+            Scene::Modal(it) => any(it.system.friction()),
+            Scene::DrivenModal(it) => any(it.system.friction()),
+            _ => false,
+        }
     }
 
     /// Displacement and velocity of the primary at time zero.

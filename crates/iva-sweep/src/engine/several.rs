@@ -151,14 +151,9 @@ pub(super) fn mass<R: Real>(
             1 => "absorber.kind".to_owned(),
             _ => format!("absorber.{}.kind", given.absorber),
         };
-        let rule = "absorbers on a structure with several modes, and all of a list in which one has a spring, a dashpot or an \
-                    inclination, are free masses (kind \"siva\")";
+        let rule = "absorbers on a structure with several modes, and all of a list in which one has a spring, a dashpot, \
+                    friction or an inclination, are free masses (kind \"siva\")";
         return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
-    }
-    if let Some(value) = given.get(FieldId::Friction).filter(|value| *value != 0.0) {
-        let rule =
-            "friction is that of one absorber without spring or dashpot, on one mode; leave it out";
-        return Err(Invalid::new(given.path(FieldId::Friction), number(value), rule));
     }
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;

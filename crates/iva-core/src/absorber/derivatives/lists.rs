@@ -81,9 +81,12 @@ pub fn place(coordinates: usize, absorber: usize) -> [usize; 2] {
     [y, y + 1]
 }
 
-/// [`DifferentiableList::tail`] under a pressure that is the same on both ways.
+/// [`DifferentiableList::tail`] of a free mass. With friction the way back takes 1/q times as long as the way out, q = √((A − R)/(A + R)).
 pub(crate) fn tail_of<S: Absorber<Real = f64> + ?Sized>(system: &S, after: &S::State) -> f64 {
     let leave = system.distance(after);
     let law = system.law_of(system.at_hand(after), system.wall(after), leave.rate);
-    2.0 * leave.rate / (leave.curvature.abs() * (1.0 - law.rebound))
+    let out = leave.rate / leave.curvature.abs();
+    let back = system.back(after);
+    let slower = back.map_or(1.0, |back| (back.pressure / leave.curvature.abs()).sqrt());
+    out * (1.0 + 1.0 / slower) / (1.0 - law.rebound * slower)
 }

@@ -15,7 +15,7 @@ use super::columns;
 use super::lists::{DifferentiableList, Moved, place, tail_of};
 use crate::absorber::several::Several;
 use crate::absorber::sliding::Sliding;
-use crate::absorber::{Absorber, ImpactLaw as _, OnStructure as _, Point};
+use crate::absorber::{Absorber, OnStructure as _, Point};
 use crate::host::oscillator::Equation;
 use crate::host::{Host, Structure as _};
 
@@ -42,10 +42,6 @@ pub trait LinearMasses: Absorber<Real = f64> {
     fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
     /// q̇, then q̈, then ẏ and ÿ of each mass, while these masses are carried.
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
-    /// As [`DifferentiableList::tail`].
-    fn tail(&self, after: &Self::State) -> f64 {
-        tail_of(self, after)
-    }
 }
 
 impl LinearStructure {
@@ -305,7 +301,7 @@ impl<S: LinearMasses> DifferentiableList for S {
     }
 
     fn tail(&self, after: &S::State) -> f64 {
-        LinearMasses::tail(self, after)
+        tail_of(self, after)
     }
 
     fn pressing(&self, absorber: usize, changes: &dyn Fn(usize) -> f64) -> f64 {
@@ -360,15 +356,5 @@ impl LinearMasses for Sliding {
         let [base, ..] = structure.base(phase);
         let gap = if carried[0] { [0.0; 2] } else { [state.seen.gap_velocity(), -a] };
         DVector::from_column_slice(&[primary.v.value, a - base, gap[0], gap[1]])
-    }
-
-    /// The way back takes 1/q times as long as the way out, q = √((A − R)/(A + R)).
-    fn tail(&self, after: &Self::State) -> f64 {
-        let leave = self.distance(after);
-        let rebound = self.law_at(self.wall(after), leave.rate).rebound;
-        let out = leave.rate / leave.curvature.abs();
-        let slower =
-            self.back(after).map_or(1.0, |back| (back.pressure / leave.curvature.abs()).sqrt());
-        out * (1.0 + 1.0 / slower) / (1.0 - rebound * slower)
     }
 }

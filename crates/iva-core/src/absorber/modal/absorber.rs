@@ -2,12 +2,15 @@
 
 use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
+use crate::absorber::chatter::Back;
 use crate::absorber::{Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::contact::Stretch;
 use crate::segment::flight::Jet;
+use crate::segment::slide::Slide;
 
 /// Largest pressure of a stuck mass that is released with another, in units of 2⁻⁵² of the terms that cancel in it.
 const RELEASED_ULPS: f64 = 16.0;
@@ -60,7 +63,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         }
         let mut freed = state.renewed();
         freed.places[k].stuck = false;
-        freed
+        freed.places[k] = self.directed(k, &freed.places[k]);
+        self.settled(&freed)
     }
 
     /// A mass travels |Ḋ| t + ½ |A| t² at most. The impulses of all impacts of a chatter sum to less than twice the reduced
@@ -83,6 +87,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         let impulse = self.reduced(at_hand) * 2.0 * gained;
         let flight = self.flight(state);
         (0..self.count).filter(|k| *k != at_hand).all(|k| {
+            // Where another mass slides, stops may come as well.
+            if self.friction[k] != 0.0 {
+                return false;
+            }
             let Place { distance, rate, stuck, .. } = state.places[k];
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
             let kicked = impulse * both.sqrt();
@@ -142,13 +150,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
 
     /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
-        let (k, _, Place { side, distance, rate, .. }) = self.at_hand_of(state);
+        let (k, _, Place { side, distance, rate, stuck, .. }) = self.at_hand_of(state);
         if self.count == 0 {
             let value = if self.primary(state).x.is_finite() { R::ONE } else { R::NAN };
             return Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO };
         }
         let [a, jerk, ..] = self.shaken(state, k);
-        let [curvature, jerk] = [a, jerk].map(|it| side * it);
+        let [mut curvature, jerk] = [a, jerk].map(|it| side * it);
+        if stuck {
+            // It would slide off its wall.
+            curvature -= self.friction[k];
+        }
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
 
@@ -168,7 +180,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
             if k == at_hand {
                 let met = met.moved(later, acceleration);
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
-            } else if !place.stuck {
+            } else if !place.carried() {
                 let within = R::EPSILON * AT_ONCE_ULPS;
                 let meets = |seen: &Place<R>| {
                     seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
@@ -187,13 +199,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         let (at_hand, _, place) = self.at_hand_of(state);
         let [a, jerk, snap, _] = self.shaken(state, at_hand).map(|it| -place.side * it);
-        let later = impact::delay(a, jerk, snap);
+        let later = impact::delay(a + self.friction[at_hand], jerk, snap);
         let leaves = |k: usize| {
             let side = state.places[k].side;
             let terms = || self.terms(state, k) * (R::EPSILON * RELEASED_ULPS);
             let ends = || {
                 let [a, jerk, ..] = self.shaken(state, k);
-                -side * a <= terms() && side * jerk > 0.0
+                self.friction[k] - side * a <= terms() && side * jerk > 0.0
             };
             k == at_hand || (state.places[k].stuck && ends())
         };
@@ -202,10 +214,58 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         for (place, leaves) in after.places.iter_mut().zip(leaves) {
             place.stuck &= !leaves;
         }
+        for k in (0..N).filter(|k| leaves[*k]) {
+            after.places[k] = self.directed(k, &after.places[k]);
+        }
         let shaken: [_; N] = std::array::from_fn(|k| leaves[k].then(|| self.shaken(&after, k)));
         for (place, shaken) in after.places.iter_mut().zip(shaken) {
             place.shaken = shaken.map(|[_, jerk, snap, crackle]| [R::ZERO, jerk, snap, crackle]);
         }
-        (after, later)
+        (self.settled(&after), later)
+    }
+
+    fn rubs(&self, absorber: usize) -> bool {
+        self.friction[self.index(absorber)] != 0.0
+    }
+
+    fn is_held(&self, state: &Self::State) -> bool {
+        self.at_hand_of(state).2.held
+    }
+
+    fn slide<'a>(
+        &'a self,
+        flight: &ModalMotion<'a, H, N>,
+        length: R,
+    ) -> Option<Slide<Self::State, R>> {
+        self.first_end_of(flight, length)
+    }
+
+    fn stopped(&self, state: &Self::State) -> (Self::State, R) {
+        self.at_stop(state)
+    }
+
+    fn first_slip<'a>(
+        &'a self,
+        ride: &ModalMotion<'a, H, N>,
+        length: R,
+    ) -> (Stretch<Self::State, R>, R) {
+        ride.first_slip(length)
+    }
+
+    fn slipped<'a>(
+        &'a self,
+        ride: &ModalMotion<'a, H, N>,
+        state: &Self::State,
+        direction: R,
+    ) -> Option<(Self::State, R)> {
+        self.at_slip(ride, state, direction)
+    }
+
+    fn rubbed(&self, ends: [&Self::State; 2]) -> R {
+        self.rubbed_by_all(ends)
+    }
+
+    fn back(&self, state: &Self::State) -> Option<Back<R>> {
+        self.way_back(state)
     }
 }

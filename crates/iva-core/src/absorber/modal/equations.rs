@@ -28,7 +28,15 @@ pub(super) const LONGEST: f64 = 1.0;
 /// rounding.
 const MARGIN: f64 = 1.0 + 1e-9;
 
-/// What a set of stuck masses needs.
+/// What the equations depend on beside the state: which masses move with their points, and which way the others slide.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Regime<'a, R, const N: usize> {
+    pub stuck: &'a Stuck<R>,
+    /// s R of each mass that slides.
+    pub rubbing: [R; N],
+}
+
+/// What a set of stuck or held masses needs.
 #[derive(Debug, Clone)]
 pub(super) struct Stuck<R> {
     /// Their indices.
@@ -102,7 +110,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     pub(super) fn series(
         &self,
         modes: &Modes<R>,
-        stuck: &Stuck<R>,
+        regime: &Regime<'_, R, N>,
         pushes: impl Fn(usize) -> Pushed<R>,
         unit: R,
         (order, exact): (usize, usize),
@@ -113,9 +121,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         for m in 0..=order - 2 {
             let pushed = pushes(m);
             if m + 2 < exact {
-                self.raise::<DoubleDouble<R>>(&mut rows, m, stuck, pushed, unit);
+                self.raise::<DoubleDouble<R>>(&mut rows, m, regime, pushed, unit);
             } else {
-                self.raise::<R>(&mut rows, m, stuck, pushed.map(|it| it.value), unit);
+                self.raise::<R>(&mut rows, m, regime, pushed.map(|it| it.value), unit);
             }
         }
         rows
@@ -127,7 +135,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         &self,
         rows: &mut ModalSeries<R>,
         m: usize,
-        stuck: &Stuck<R>,
+        Regime { stuck, rubbing }: &Regime<'_, R, N>,
         pushed: [T; 3],
         unit: R,
     ) {
@@ -169,6 +177,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let [f, a, gravity] = pushed.map(|push| push * T::from_real(square));
         for (force, weight) in force.iter_mut().zip(&self.weight) {
             *force = *force + gravity * T::of(*weight);
+        }
+        for (k, rubbing) in rubbing.iter().enumerate().filter(|(_, it)| m == 0 && **it != 0.0) {
+            let pull = DoubleDouble::new(self.masses[k].mass_ratio).times(*rubbing);
+            for (force, phi) in force.iter_mut().zip(self.gap_shape(k)) {
+                *force = *force + gravity * T::of(pull) * T::from_real(*phi);
+            }
         }
         if self.host.is_driven() {
             for (force, phi) in force.iter_mut().zip(self.whole.shape(self.pushed)) {
@@ -255,10 +269,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let place = &state.places[k];
         place.shaken.unwrap_or_else(|| {
             let pushes = self.pushes(&state.phase, R::ONE);
-            // Of a mass in flight A and its rate are enough.
-            let order = if place.stuck { 5 } else { 3 };
-            let stuck = self.stuck_in(&state.places);
-            let rows = self.series(&state.modes, stuck, &pushes, R::ONE, (order, 3));
+            // Of a mass in flight that does not rub A and its rate are enough.
+            let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
+            let regime = self.regime(&state.places);
+            let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (order, 3));
             let followed = self.followed(k, place);
             let curved = self.curved(&rows, followed, &pushes, (R::ONE, order));
             [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
@@ -333,7 +347,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The size of the terms that are summed to A of a stuck mass.
     pub(super) fn terms(&self, state: &ModalState<H, N>, k: usize) -> R {
         let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
-        let mut sum = constant.value.abs() + self.gravity[k].abs();
+        let mut sum = constant.value.abs() + self.gravity[k].abs() + self.friction[k];
+        for (l, mass) in self.masses().iter().enumerate() {
+            sum += mass.mass_ratio * self.friction[l] * self.mobility[k][l].value.abs();
+        }
         let growth = self.whole.growth();
         for (j, phi) in shape.iter().enumerate() {
             let spring = self.whole.stiffness[j].value * state.modes.places[j].value.abs();
@@ -356,8 +373,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             return *state;
         }
         let pushes = self.pushes(&state.phase, R::ONE);
-        let stuck = self.stuck_in(&state.places);
-        let rows = self.series(&state.modes, stuck, &pushes, R::ONE, (2, 0));
+        let regime = self.regime(&state.places);
+        let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (2, 0));
         let mut moved = state.renewed();
         for j in 0..self.whole.count() {
             let acceleration = rows.plain(j, 2) * 2.0;

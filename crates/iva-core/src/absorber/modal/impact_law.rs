@@ -137,6 +137,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
             let [value, rest] = [gained.value, gained.rest].map(|part| place.side * part);
             place.rate = place.rate.plus_parts(value, rest);
+            *place = self.directed(k, place);
         }
         for (k, impulse) in blow.impulses[..self.count].iter().enumerate() {
             after.modes.push(self.gap_shape(k), *impulse);
@@ -201,8 +202,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
             if let Some(e) = *e {
                 let before = state.places[k].rate;
                 after.places[k].rate = before.product(DoubleDouble::new(-e));
+                after.places[k] = self.directed(k, &after.places[k]);
             }
         }
+        let after = self.settled(&after);
         let (k, mass, place) = self.at_hand_of(state);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
@@ -238,6 +241,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
         let mut after = self.after(&stuck, &blow, None);
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
-        (after, blow.impulses[k].value * 0.5 * rhs[k].value)
+        (self.settled(&after), blow.impulses[k].value * 0.5 * rhs[k].value)
     }
 }

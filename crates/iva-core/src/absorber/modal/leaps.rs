@@ -226,7 +226,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn leaps(&self) -> Option<&Leaps<R>> {
         let n = self.whole.count();
         let free = self.host.force().is_none_or(Force::is_none);
-        if !free || !(self.whole.is_separate() || n <= MOST_COUPLED) {
+        let rubs = self.friction.iter().any(|it| *it != 0.0);
+        if !free || rubs || !(self.whole.is_separate() || n <= MOST_COUPLED) {
             return None;
         }
         Some(self.leaps.get_or_init(|| self.all_leaps()))
@@ -251,7 +252,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Φ of one length from power series of the unit vectors.
     fn shortest_leap(&self, length: R, separate: bool) -> Propagator<R> {
         let n = self.whole.count();
-        let free = self.stuck_in(&[Place::FAR; N]);
+        let free = self.regime(&[Place::FAR; N]);
         let unit = R::power_of_two(length);
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
@@ -262,7 +263,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let acting = if m == 0 { gravity } else { R::ZERO };
                 [R::ZERO, R::ZERO, acting].map(DoubleDouble::new)
             };
-            let rows = self.series(modes, free, still, unit, (ORDER, EXACT));
+            let rows = self.series(modes, &free, still, unit, (ORDER, EXACT));
             rows.modes(length / unit, unit)
         };
         for column in 0..columns {
@@ -359,13 +360,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
         let derivatives = self.bent(z);
-        let free = self.stuck_in(&state.places);
+        let free = self.regime(&state.places).stuck;
         let (mut lines, mut fourths) = ([Line::default(); N], [R::ZERO; N]);
         let mut now = [Sight::default(); N];
         for k in 0..self.count {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
-            let still =
-                Line { side: place.side, bend: place.side * self.falling(k), ..Line::default() };
+            let still = Line {
+                side: place.side,
+                bend: place.side * self.falling(k, place),
+                ..Line::default()
+            };
             let Sight { distance: [u, rate], sizes } = self.sight(shape, &still, R::ZERO, z);
             let distance = [place.distance.value, place.rate.value];
             lines[k] = Line { begin: distance[0] - u, rate: distance[1] - rate, ..still };
@@ -458,14 +462,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let (place, shape) = (&from.places[k], self.gap_shape(k));
         let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
         let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
-        let fallen = time.times(self.falling(k));
+        let fallen = time.times(self.falling(k, place));
         let curved = sided(u - (u0 + v0 * time) + (fallen * time).half());
         let distance = place.distance + place.rate * time + curved;
         Place { distance, rate: place.rate + sided(v - v0 + fallen), shaken: None, ..*place }
     }
 
-    /// G of a mass in flight that nothing ties to its point; of others it is in their coordinates.
-    pub(super) fn falling(&self, k: usize) -> R {
-        if self.tied[k].is_none() { self.gravity[k] } else { R::ZERO }
+    /// G + s R of a mass in flight that nothing ties to its point; of others it is in their coordinates.
+    pub(super) fn falling(&self, k: usize, place: &Place<R>) -> R {
+        let alone = self.tied[k].is_none();
+        if alone { self.gravity[k] + self.rubbing(k, place) } else { R::ZERO }
     }
 }

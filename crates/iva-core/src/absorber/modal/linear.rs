@@ -39,17 +39,17 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
     }
 
     fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
-        state.places[..self.count].iter().map(|place| place.stuck).collect()
+        state.places[..self.count].iter().map(Place::carried).collect()
     }
 
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
         let mut places = state.places;
         for (place, carried) in places.iter_mut().zip(carried) {
-            place.stuck = *carried;
+            (place.stuck, place.held) = (*carried, false);
         }
         let pushes = self.pushes(&state.phase, 1.0);
         let [_, base, _] = pushes(0);
-        let rows = self.series(&state.modes, self.stuck_in(&places), &pushes, 1.0, (2, EXACT));
+        let rows = self.series(&state.modes, &self.regime(&places), &pushes, 1.0, (2, EXACT));
         let n = self.whole.count();
         let mut rates = DVector::zeros(2 * (n + self.count));
         for j in 0..n {
@@ -57,7 +57,7 @@ impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
             rates[n + j] = 2.0 * rows.plain(j, 2);
         }
         for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
-            let flying = Place { stuck: false, ..state.places[k] };
+            let flying = Place { stuck: false, held: false, ..state.places[k] };
             let Followed { shape, with_base, constant } = self.followed(k, &flying);
             let moved = constant.value + if with_base { base.value } else { 0.0 };
             let a = shape

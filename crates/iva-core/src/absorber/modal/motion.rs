@@ -2,10 +2,9 @@
 
 use std::cell::OnceCell;
 
-use super::equations::{Pushed, Stuck};
+use super::equations::{Pushed, Regime};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
-use super::structure::Damping;
 use super::{Modal, ModalState, wall_of};
 use crate::absorber::{Clock, OnStructure, Wall};
 use crate::host::{Host, Structure};
@@ -15,7 +14,6 @@ use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Seen, Side, Travel,
 };
-use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
 /// A mass this close to the wall that it left, in clearances, is followed by the series of its own distance.
@@ -27,16 +25,18 @@ const NEAR: f64 = 1e-6;
 /// A sample of the curve holds the place of that absorber only, the rest of it is that of the begin.
 #[derive(Debug, Clone)]
 pub struct ModalMotion<'a, H: Host, const N: usize> {
-    system: &'a Modal<H, N>,
-    stuck: &'a Stuck<H::Real>,
+    pub(super) system: &'a Modal<H, N>,
+    regime: Regime<'a, H::Real, N>,
     pub(super) from: ModalState<H, N>,
     /// Unit of time of the series: a power of two.
-    unit: H::Real,
+    pub(super) unit: H::Real,
     reach: H::Real,
     /// The power series, once they were needed.
     expansion: OnceCell<Box<Expansion<H::Real, N>>>,
     /// x at the point that the run sees, once it was needed.
     seen: OnceCell<Series<H::Real>>,
+    /// Of a mass that friction holds: the direction in which it would slide off where the curve is 0.
+    pub(super) off: H::Real,
 }
 
 /// The power series of a motion.
@@ -52,12 +52,12 @@ struct Expansion<R, const N: usize> {
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     pub(super) fn new(system: &'a Modal<H, N>, from: ModalState<H, N>) -> Self {
-        let stuck = system.stuck_in(&from.places);
+        let regime = system.regime(&from.places);
         let unit = R::power_of_two(system.reach);
         let smooth = system.host.smooth_for(&from.phase);
         let reach = if smooth <= system.reach { smooth } else { system.reach };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
-        Self { system, stuck, from, unit, reach, expansion, seen }
+        Self { system, regime, from, unit, reach, expansion, seen, off: R::ONE }
     }
 
     fn expansion(&self) -> &Expansion<R, N> {
@@ -67,7 +67,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     fn expanded(&self) -> Expansion<R, N> {
         let pushes = self.system.pushes(&self.from.phase, self.unit);
         let rows =
-            self.system.series(&self.from.modes, self.stuck, &pushes, self.unit, (ORDER, EXACT));
+            self.system.series(&self.from.modes, &self.regime, &pushes, self.unit, (ORDER, EXACT));
         Expansion { rows, curved: [const { OnceCell::new() }; N], base: base_row(pushes) }
     }
 
@@ -88,7 +88,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     }
 
     /// q of all modes.
-    fn modal_series(&self) -> &ModalSeries<R> {
+    pub(super) fn modal_series(&self) -> &ModalSeries<R> {
         &self.expansion().rows
     }
 
@@ -100,23 +100,37 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         move |j| [rows.plain(j, n) * powers, rows.plain(j, n + 1) * next]
     }
 
-    fn share(&self, h: R) -> R {
+    pub(super) fn share(&self, h: R) -> R {
         h / self.unit
     }
 
-    /// A bound on |A| at the point of a mass.
+    /// A bound on |A| of a mass.
     pub(super) fn most_shaken(&self, k: usize) -> R {
         let followed = self.system.followed(k, &self.from.places[k]);
-        self.system.bound(self.derivatives(1), self.stuck, followed, 1, self.reach)
+        self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
+    }
+
+    /// The same motion, whose curve is 0 where a mass that friction holds slides off in a direction.
+    pub(super) fn sliding_off(&self, off: R) -> Self {
+        Self { off, ..self.clone() }
+    }
+
+    /// A bound on the derivative n − 1 of A of the absorber at hand.
+    pub(super) fn fourth_of(&self, n: usize) -> R {
+        let (k, begin) = self.begun();
+        let followed = self.system.followed(k, begin);
+        self.system.bound(self.derivatives(n), self.regime.stuck, followed, n, self.reach)
     }
 
     /// The index of the absorber at hand.
-    fn at_hand(&self) -> usize {
+    pub(super) fn at_hand(&self) -> usize {
         self.system.index(self.from.at_hand.into())
     }
 
-    fn is_stuck(&self) -> bool {
-        self.from.places[self.at_hand()].stuck
+    /// The index of the absorber at hand, and its place at the begin.
+    fn begun(&self) -> (usize, &Place<R>) {
+        let k = self.at_hand();
+        (k, &self.from.places[k])
     }
 
     fn x(&self) -> &Series<R> {
@@ -134,11 +148,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
 
     /// The place of a mass at h. Its accelerations are those that its curve needs.
     #[inline(always)]
-    fn place(&self, k: usize, h: R) -> Place<R> {
+    pub(super) fn place(&self, k: usize, h: R) -> Place<R> {
         let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));
         let over = R::ONE / self.unit;
         let square = over * over;
-        if place.stuck {
+        if place.carried() {
             let jerks = [curved.derivative::<3>(t), curved.derivative::<4>(t)];
             let a = curved.derivative::<2>(t).value * square;
             let [jerk, snap] = [jerks[0].value * over * square, jerks[1].value * square * square];
@@ -154,12 +168,16 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let distance = place.distance.plus_both(straight, sided(bent));
         let rate = place.rate + sided(scaled(gained, over));
         let [a, jerk] = curved.bends(t);
-        let shaken = Some([a * square, jerk * over * square, R::ZERO, R::ZERO]);
+        let snap = match self.system.friction[k] {
+            friction if friction == 0.0 => R::ZERO,
+            _ => curved.derivative::<4>(t).value * square * square,
+        };
+        let shaken = Some([a * square, jerk * over * square, snap, R::ZERO]);
         Place { distance, rate, shaken, ..*place }
     }
 
     /// A and its derivatives that come with a place of the absorber at hand; those at the begin where none do.
-    fn shaken(&self, place: &Place<R>) -> [R; 4] {
+    pub(super) fn shaken(&self, place: &Place<R>) -> [R; 4] {
         let begin = || self.place(self.at_hand(), R::ZERO).shaken;
         place.shaken.or_else(begin).unwrap_or([R::NAN; 4])
     }
@@ -169,11 +187,12 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let (system, from) = (self.system, &self.from);
         let mut places = from.places;
         for (k, place) in places[..system.count].iter_mut().enumerate() {
-            let near = place.distance.value <= system.masses[k].clearance * NEAR;
-            *place = if place.stuck {
+            let near = place.distance.value <= system.masses[k].clearance * NEAR
+                || system.friction[k] != 0.0;
+            *place = if place.carried() {
                 self.place(k, h)
             } else if near || system.host.moves_base() {
-                // The series keeps the relative accuracy of a rebound, however low it is.
+                // The series keeps the relative accuracy of a rebound or of a slide, however small it is.
                 Place { shaken: None, ..self.place(k, h) }
             } else {
                 system.place_after(from, k, &modes, Clock::new(h))
@@ -182,97 +201,6 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
         let free = system.host.free();
         let phase = free.renewed(&free.within(&from.phase, h));
         ModalState { modes, places, phase, at_hand: from.at_hand }
-    }
-
-    /// q̇ of all modes as polynomials in t.
-    fn velocities(&self) -> Vec<Row<R>> {
-        let rate = |j: usize| {
-            let row = self.modal_series().row(j);
-            let over = R::ONE / self.unit;
-            std::array::from_fn(|m| {
-                if m < ORDER { row[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
-            })
-        };
-        (0..self.system.whole.count()).map(rate).collect()
-    }
-
-    /// ∫ a b dh of two polynomials from 0 to h.
-    fn integral(&self, a: &Row<R>, b: &Row<R>, h: R) -> R {
-        product_integral(a, b, self.share(h)) * self.unit
-    }
-
-    /// ∫ q̇ᵀ D q̇ dh.
-    fn viscous(&self, rates: &[Row<R>], h: R) -> R {
-        let n = rates.len();
-        match &self.system.whole.damping {
-            Damping::Separate(dampers) => {
-                dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
-                    if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
-                })
-            }
-            Damping::Full(matrix) => (0..n).fold(R::ZERO, |sum, j| {
-                let elements = &matrix[j * n..(j + 1) * n];
-                let force: Row<R> = std::array::from_fn(|m| {
-                    let both = elements.iter().zip(rates);
-                    both.fold(R::ZERO, |sum, (c, rate)| c.mul_add(rate[m], sum))
-                });
-                sum + self.integral(&rates[j], &force, h)
-            }),
-        }
-    }
-
-    /// Σ c ∫ ẏ² dh of the dashpots in the gaps.
-    fn lost_in_gaps(&self, rates: &[Row<R>], h: R) -> R {
-        let flying = (0..self.system.count).filter(|k| !self.from.places[*k].stuck);
-        let tied = flying.filter_map(|k| self.system.tied[k].as_ref());
-        tied.fold(R::ZERO, |sum, tied| {
-            let speed: Row<R> = std::array::from_fn(|m| {
-                let both = tied.shape.iter().zip(rates);
-                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
-            });
-            sum + tied.tie.damping * self.integral(&speed, &speed, h)
-        })
-    }
-
-    /// ∫ f φ_f·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁) dh: ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
-    fn work(&self, rates: &[Row<R>], h: R) -> R {
-        let system = self.system;
-        let Some(drive) = system.host.drive(&self.from.phase, self.unit) else { return R::ZERO };
-        let seen = |shape: &[R]| -> Row<R> {
-            std::array::from_fn(|m| {
-                let both = shape.iter().zip(rates);
-                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
-            })
-        };
-        let pushed = seen(system.whole.shape(system.pushed));
-        let mut work = self.integral(&pushed, &drive.primary, h);
-        if !system.host.moves_base() {
-            return work;
-        }
-        let mut momentum = seen(system.whole.participation().unwrap_or(&[]));
-        for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
-            // A tied mass takes part as a coordinate of the structure.
-            if system.tied[k].is_some() {
-                continue;
-            }
-            let moving = if place.stuck {
-                seen(system.shape(k))
-            } else {
-                let [_, v] = self.from.modes.of_point(system.shape(k));
-                let mut moving = [R::ZERO; ORDER + 1];
-                moving[0] = v.value + place.gap(mass).w;
-                for m in 0..ORDER {
-                    let gravity = if m == 0 { system.gravity[k] } else { R::ZERO };
-                    moving[m + 1] = -((drive.base[m] + gravity) * R::reciprocal(m + 1) * self.unit);
-                }
-                moving
-            };
-            for (sum, part) in momentum.iter_mut().zip(moving) {
-                *sum = part.mul_add(mass.mass_ratio, *sum);
-            }
-        }
-        work -= self.integral(&momentum, &drive.base, h);
-        work
     }
 }
 
@@ -300,7 +228,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
 
     /// Of one mass; several are asked one by one.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
-        if !R::FAST_PATHS || self.from.places[self.at_hand()].stuck {
+        if !R::FAST_PATHS || self.begun().1.carried() {
             return None;
         }
         let ahead = self.ahead(length);
@@ -320,7 +248,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let mut ahead = ModalState { modes, ..*from };
         for k in 0..system.count {
             let place = &from.places[k];
-            ahead.places[k] = if place.stuck || system.host.moves_base() {
+            let rubs = system.friction[k] != 0.0;
+            ahead.places[k] = if place.carried() || rubs || system.host.moves_base() {
                 self.place(k, h)
             } else {
                 let [mut u, mut v] = [R::ZERO; 2];
@@ -330,7 +259,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
                     u = phi.mul_add(moved, u);
                     v = phi.mul_add(modes.velocities[j].value - rate, v);
                 }
-                let gained = system.falling(k) * h;
+                let gained = system.falling(k, place) * h;
                 (u, v) = (u + gained * h * 0.5, v + gained);
                 let distance =
                     place.side.mul_add(u, place.rate.value.mul_add(h, place.distance.value));
@@ -347,15 +276,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
-        let k = self.at_hand();
-        let (from, to) = (&self.from.places[k], &end.places[k]);
-        if from.stuck {
-            let pressed = |place: &Place<R>| {
-                let [a, jerk, ..] = self.shaken(place);
-                [-place.side * a, -place.side * jerk]
-            };
-            let ends = [pressed(from), pressed(to)];
-            return keeps_pressing(ends, self.magnitude(), self.fourth(), length);
+        let (k, from) = self.begun();
+        let to = &end.places[k];
+        let friction = self.system.friction[k];
+        if from.carried() {
+            let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
+            return signs.into_iter().all(|sign| {
+                let carries = |place: &Place<R>| {
+                    let [a, jerk, ..] = self.shaken(place);
+                    [sign.mul_add(a, friction), sign * jerk]
+                };
+                let ends = [carries(from), carries(to)];
+                keeps_pressing(ends, self.magnitude(), self.fourth(), length)
+            });
+        }
+        if friction != 0.0 && !self.keeps_sliding([from, to], length) {
+            return false;
         }
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
         let mut size = self.magnitude();
@@ -369,8 +305,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn meets(&self, length: R, _end: &Self::State) -> Option<(R, Side)> {
-        let k = self.at_hand();
-        if self.from.places[k].stuck {
+        let (k, from) = self.begun();
+        if from.carried() || self.system.friction[k] != 0.0 {
             return None;
         }
         let (from, to) = (&self.place(k, R::ZERO), &self.place(k, length));
@@ -412,7 +348,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         if absorber >= self.system.count {
             return None;
         }
-        if self.system.tied[absorber].is_none() && self.system.gravity[absorber] == 0.0 {
+        let constant = [self.system.gravity[absorber], self.system.friction[absorber]];
+        if self.system.tied[absorber].is_none() && constant == [R::ZERO; 2] {
             return Some(self.system.shaken(&self.state(h), absorber)[0]);
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
@@ -449,11 +386,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let (viscous, gaps, work) = {
-            let rates = self.velocities();
-            (self.viscous(&rates, h), self.lost_in_gaps(&rates, h), self.work(&rates, h))
-        };
-        Losses { viscous: viscous - gaps, pivot: gaps, work }
+        self.lost(h)
     }
 
     fn square(&self, [from, to]: [R; 2]) -> R {
@@ -483,7 +416,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let GapPoint { y, w } = place.gap(mass);
         let curved = self.curved(k).row();
         let mut gap: Row<R> =
-            std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
+            std::array::from_fn(|m| if place.carried() { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
         let absorber = std::array::from_fn(|m| own[m] + gap[m]);
@@ -502,37 +435,36 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N>
         sample
     }
 
-    /// D, or the pressure −s A.
+    /// D; or what the wall and friction carry beyond the pressure −s A, or friction beyond A.
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let place = &sample.places[self.at_hand()];
-        let (Place { side, distance, rate, .. }, shaken) = (*place, self.shaken(place));
-        if self.is_stuck() {
-            let [value, rate, curvature, jerk] = shaken.map(|it| -side * it);
-            return Jet { value, rate, curvature, jerk };
+        let (k, begin) = self.begun();
+        let place = &sample.places[k];
+        let shaken = self.shaken(place);
+        if begin.carried() {
+            let sign = if begin.stuck { -begin.side } else { self.off };
+            let [value, rate, curvature, jerk] = shaken.map(|it| sign * it);
+            return Jet { value: value + self.system.friction[k], rate, curvature, jerk };
         }
-        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| side * it);
-        Jet { value: distance.value, rate: rate.value, curvature, jerk }
+        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| place.side * it);
+        Jet { value: place.distance.value, rate: place.rate.value, curvature, jerk }
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
-        let place = self.place(self.at_hand(), h);
-        if self.is_stuck() {
-            DoubleDouble::new(-place.side * self.shaken(&place)[0])
-        } else {
-            place.distance
+        let (k, begin) = self.begun();
+        if begin.carried() {
+            return DoubleDouble::new(self.jet(&self.sample(h)).value);
         }
+        self.place(k, h).distance
     }
 
     fn fourth(&self) -> R {
-        let k = self.at_hand();
-        let followed = self.system.followed(k, &self.from.places[k]);
-        let n = if self.is_stuck() { 5 } else { 3 };
-        self.system.bound(self.derivatives(n), self.stuck, followed, n, self.reach)
+        let (_, begin) = self.begun();
+        self.fourth_of(if begin.carried() { 5 } else { 3 })
     }
 
     fn magnitude(&self) -> R {
-        let k = self.at_hand();
-        if self.is_stuck() {
+        let (k, begin) = self.begun();
+        if begin.carried() {
             self.system.terms(&self.from, k)
         } else {
             self.system.masses[k].clearance

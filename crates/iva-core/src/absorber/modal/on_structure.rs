@@ -70,13 +70,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
     fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
         let phase = self.host.after_impulse(&state.phase);
         let kicked = ModalState { phase, ..*state };
-        let after = self.blown(&kicked, DoubleDouble::new(velocity));
+        let after = self.settled(&self.blown(&kicked, DoubleDouble::new(velocity)));
         if self.count > 1 {
             return after;
         }
         // The event loop asks for one mass only whether it presses on its wall still.
         let mut free = after.renewed();
         free.places[0].stuck = false;
+        free.places[0] = self.directed(0, &free.places[0]);
         if after.places[0].stuck && self.pressure(&free, 0) <= 0.0 { free } else { after }
     }
 }

@@ -86,8 +86,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));
             let (side, distance) = self.masses[k].begun([y, w], leaning);
             let rate = DoubleDouble::new(-side * w);
-            state.places[k] = Place { side, distance, rate, stuck: false, shaken: None };
+            let held = self.friction[k] != 0.0;
+            let place = Place { side, distance, rate, held, ..Place::FAR };
+            state.places[k] = self.directed(k, &place);
         }
-        state
+        self.settled(&state)
     }
 }

@@ -26,6 +26,10 @@ pub struct Place<R = f64> {
     pub(super) rate: DoubleDouble<R>,
     /// True if the mass is stuck to that wall.
     pub(super) stuck: bool,
+    /// True if friction holds the mass in its gap.
+    pub(super) held: bool,
+    /// The sign of the gap velocity of a mass that rubs, or with which it would leave its wall; 0 of others, and of one that is held.
+    pub(super) sliding: R,
     /// The absolute acceleration A of the structure at the point of the mass, and its first three derivatives, where
     /// they are known already.
     pub(super) shaken: Option<[R; 4]>,
@@ -99,8 +103,16 @@ impl<R: Real> Place<R> {
         distance: DoubleDouble { value: R::ONE, rest: R::ZERO },
         rate: DoubleDouble::ZERO,
         stuck: false,
+        held: false,
+        sliding: R::ZERO,
         shaken: None,
     };
+
+    /// True if the mass moves with its point: stuck to a wall, or held in its gap.
+    #[inline(always)]
+    pub(super) fn carried(&self) -> bool {
+        self.stuck || self.held
+    }
 
     /// Gap displacement and gap velocity.
     pub(super) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {
@@ -121,7 +133,7 @@ impl<R: Real> Place<R> {
 
     /// The place a short time later, with this A.
     pub(super) fn moved(&self, time: R, acceleration: R) -> Self {
-        if self.stuck {
+        if self.carried() {
             return *self;
         }
         let distance = self.distance.plus(self.rate.value * time);

@@ -15,7 +15,7 @@ const LOOK: f64 = 1.25;
 /// Largest number of segments of a rebound that is computed only to list it.
 const MOST: usize = 1000;
 
-impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
+impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// One segment of a slide, ended by its length, a contact, a stop or the end of the run.
     pub(super) fn slide(&mut self, remaining: R) -> bool {
         let (system, state) = (self.system, self.tally.state);
@@ -29,8 +29,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         };
         self.tally.undecided += undecided;
         self.advance(&flight, end.h, length == remaining);
-        let rubbed = system.rubbed([&state, &self.tally.state]);
-        self.tally.friction.energy = self.tally.friction.energy.plus(rubbed);
+        self.rub(&state, end.h);
         match ends {
             Ends::Length => {}
             Ends::Wall(side) => self.meet(side),
@@ -39,8 +38,38 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         true
     }
 
+    /// Counts what friction takes in the motion of this length that began in a state, and for how long it held absorbers.
+    pub(super) fn rub(&mut self, from: &S::State, length: R) {
+        if self.rubs {
+            let rubbed = self.system.rubbed([from, &self.tally.state]);
+            let count = f64::from(self.held.count_ones());
+            let friction = &mut self.tally.friction;
+            friction.energy = friction.energy.plus(rubbed);
+            friction.time_held = friction.time_held.plus(length * count);
+        }
+    }
+
+    /// Which absorbers friction holds.
+    pub(super) fn held_now(&self) -> u64 {
+        let (system, state) = (self.system, &self.tally.state);
+        let all = if self.rubs { system.absorbers() } else { 0 };
+        let held = |k: &usize| system.is_held(&system.turned_to(state, *k));
+        (0..all).filter(held).map(|k| 1 << k).sum()
+    }
+
+    /// Tells of the absorbers that friction held before an event and does not hold any more.
+    pub(super) fn tell_slips(&mut self) {
+        let (system, before) = (self.system, self.held);
+        self.held = self.held_now();
+        for absorber in (0..64).filter(|k| (before & !self.held) >> k & 1 == 1) {
+            let state = system.turned_to(&self.tally.state, absorber);
+            let from = Instant { time: self.progress.clock, state };
+            self.observer.slip(system, &from);
+        }
+    }
+
     /// Decides how an absorber goes on that has stopped in its gap.
-    fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         let before = self.tally.state;
         let (state, later) = self.system.stopped(&before);
         self.tally.state = state;
@@ -55,6 +84,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         } else {
             self.progress.first = self.progress.first.min(self.first_return(&state));
         }
+        self.tell_slips();
     }
 
     /// Length of the first search for the wall last touched, from a stop on.
@@ -83,10 +113,21 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             (stretch.end.h, stretch.contact.map(|_| direction))
         };
         self.advance(&ride, held, length == remaining);
-        self.tally.friction.time_held = self.tally.friction.time_held.plus(held);
+        self.rub(&state, held);
+        match slips {
+            Some(direction) => self.slip(&ride, held, direction),
+            None => true,
+        }
+    }
+
+    /// Lets an absorber slide off that friction has held in a ride of this length; false if the state is not at a slip.
+    pub(super) fn slip(&mut self, ride: &S::Ride<'a>, held: R, direction: R) -> bool {
+        let system = self.system;
         // Where the force jumps or has an impulse at the slip, that decides how the absorber goes on.
-        let Some(direction) = slips.filter(|_| self.due().is_none()) else { return true };
-        let Some((state, later)) = system.slipped(&ride, &self.tally.state, direction) else {
+        if self.due().is_some() {
+            return true;
+        }
+        let Some((state, later)) = system.slipped(ride, &self.tally.state, direction) else {
             return false;
         };
         if !(later >= -held && later <= ride.reach()) {
@@ -95,7 +136,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
         self.tally.friction.time_held = self.tally.friction.time_held.plus(later);
-        self.observer.slip(system, &Instant { time: self.progress.clock, state });
+        self.tell_slips();
         true
     }
 

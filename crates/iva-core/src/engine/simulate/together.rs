@@ -15,6 +15,7 @@ use crate::engine::tally::{OfAbsorber, Tally};
 use crate::number::real::Real;
 use crate::segment::contact::{Stretch, first_contact, first_release};
 use crate::segment::flight::{Curve, Motion, Side};
+use crate::segment::slide::{Ends, Slide};
 
 /// What a run keeps of an absorber that is not at hand.
 #[derive(Debug, Clone, Copy, Default)]
@@ -62,10 +63,26 @@ impl<R: Real> Waiting<R> {
     }
 }
 
-/// An event that ends a motion: the index of the absorber, and the wall that it meets if it is not a release.
-type Met = (usize, Option<Side>);
+/// What ends a motion.
+#[derive(Debug, Clone, Copy)]
+enum Ending<R> {
+    Contact(Side),
+    /// A stuck absorber leaves its wall.
+    Release,
+    /// An absorber that rubs stops in its gap.
+    Stop,
+    /// Friction no longer holds an absorber, which slides off with this sign of its gap velocity.
+    Slip(R),
+}
 
-impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
+/// The first event of an absorber in a motion, if there is one.
+struct First<R> {
+    ending: Option<Ending<R>>,
+    at: R,
+    undecided: u64,
+}
+
+impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Takes another absorber at hand.
     pub(crate) fn turn_to(&mut self, absorber: usize) {
         let at_hand = self.system.at_hand(&self.tally.state);
@@ -181,7 +198,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             reached.as_ref().is_some_and(|reached| flight.clears(length, reached))
         };
         let mut end = length;
-        let mut met: Option<Met> = None;
+        let mut met: Option<(usize, Ending<R>)> = None;
         let mut undecided = 0;
         for absorber in 0..system.absorbers() {
             system.turn(&mut flight, absorber);
@@ -190,7 +207,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }
             if let Some((at, side)) = reached.as_ref().and_then(|it| flight.meets(length, it)) {
                 if at < end {
-                    (end, met) = (at, Some((absorber, Some(side))));
+                    (end, met) = (at, Some((absorber, Ending::Contact(side))));
                 }
                 continue;
             }
@@ -198,11 +215,10 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if !is_finite(&flight.jet(&from), flight.fourth()) {
                 return false;
             }
-            let stretch = self.first_event(&flight, &from, end);
-            undecided += stretch.undecided;
-            if stretch.contact.is_some() {
-                end = stretch.end.h;
-                met = Some((absorber, stretch.contact.filter(|_| !system.is_stuck(&from))));
+            let Some(first) = self.first_event(&flight, &from, end) else { return false };
+            undecided += first.undecided;
+            if let Some(ending) = first.ending {
+                (end, met) = (first.at, Some((absorber, ending)));
             }
         }
         if undecided > 0 && met.is_some() {
@@ -214,7 +230,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                     continue;
                 }
                 let from = system.turned_to(&state, absorber);
-                undecided += self.first_event(&flight, &from, end).undecided;
+                let first = self.first_event(&flight, &from, end);
+                undecided += first.map_or(0, |first| first.undecided);
             }
         }
         self.tally.undecided += undecided;
@@ -226,24 +243,56 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
         self.advance_to(&flight, end, system.turned_to(&arrived, absorber), length == remaining);
-        match met {
-            Some((_, Some(side))) => self.meet(side),
-            Some((_, None)) => return self.release(&flight, end),
-            None => self.coast_after(),
+        self.rub(&state, end);
+        let Some((_, ending)) = met else {
+            self.coast_after();
+            return true;
+        };
+        match ending {
+            Ending::Contact(side) => self.meet(side),
+            Ending::Release => return self.release(&flight, end),
+            Ending::Stop => {
+                self.stop();
+                self.settle();
+            }
+            Ending::Slip(direction) => {
+                let ride = system.ride(&system.turned_to(&state, absorber));
+                if !self.slip(&ride, end, direction) {
+                    return false;
+                }
+                self.settle();
+            }
         }
         true
     }
 
-    /// The contact or the release of the absorber at hand within a length.
-    fn first_event<C>(&self, flight: &C, from: &S::State, length: R) -> Stretch<S::State, R>
-    where
-        C: Curve<Real = R, Sample = S::State>,
-    {
-        if self.system.is_stuck(from) {
-            first_release(flight, from, length)
-        } else {
-            first_contact(flight, from, self.system.clearance_at_hand(from), length)
+    /// The first event of the absorber at hand within a length; `None` if its bounds are not finite.
+    fn first_event(&self, flight: &S::Flight<'a>, from: &S::State, length: R) -> Option<First<R>> {
+        let system = self.system;
+        let of = |stretch: &Stretch<S::State, R>, ending: Option<Ending<R>>| First {
+            ending,
+            at: stretch.end.h,
+            undecided: stretch.undecided,
+        };
+        if system.is_stuck(from) {
+            let stretch = first_release(flight, from, length);
+            return Some(of(&stretch, stretch.contact.map(|_| Ending::Release)));
         }
+        if system.is_held(from) {
+            let (stretch, direction) = system.first_slip(&system.ride(from), length);
+            return Some(of(&stretch, stretch.contact.map(|_| Ending::Slip(direction))));
+        }
+        if system.rubs(system.at_hand(from)) {
+            let Slide { end, ends, undecided } = system.slide(flight, length)?;
+            let ending = match ends {
+                Ends::Length => None,
+                Ends::Wall(side) => Some(Ending::Contact(side)),
+                Ends::Stop => Some(Ending::Stop),
+            };
+            return Some(First { ending, at: end.h, undecided });
+        }
+        let stretch = first_contact(flight, from, system.clearance_at_hand(from), length);
+        Some(of(&stretch, stretch.contact.map(Ending::Contact)))
     }
 
     /// The impacts of all absorbers that touch their walls and approach them, and what follows.
@@ -268,7 +317,19 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// After an event: frees absorbers that do not press on their walls any more, and lets those that touch a wall leave
     /// it, go on in their chatter, or stick. One that approaches its wall has an impact next.
+    ///
+    /// A mass that rubs and leaves its wall pulls at the structure otherwise than before, so that all are asked again.
     pub(super) fn settle(&mut self) {
+        let mut asked = 0;
+        while self.settle_each() && self.rubs && asked < self.system.absorbers() {
+            asked += 1;
+        }
+        self.tell_slips();
+    }
+
+    /// Asks each absorber once; true if one has left its wall.
+    fn settle_each(&mut self) -> bool {
+        let mut left = false;
         for absorber in 0..self.system.absorbers() {
             if self.rides(absorber) {
                 self.turn_to(absorber);
@@ -278,6 +339,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 }
                 self.tally.state = self.system.freed(&state);
                 self.let_go();
+                left = true;
             }
             let [distance, rate] = self.system.approach_of(&self.tally.state, absorber);
             if distance == 0.0 && rate >= 0.0 {
@@ -285,6 +347,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 self.leave_or_stick();
             }
         }
+        left
     }
 
     /// Ends the stick episodes of the absorbers that a release has freed.
@@ -298,6 +361,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 self.let_go();
             }
         }
+        self.tell_slips();
     }
 
     /// Closes the streaks and stick episodes of all absorbers at the end of the run.

@@ -25,7 +25,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let (after, impact) = self.system.impact(before, self.progress.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 and without friction no chatter dies out, so low impacts are listed immediately.
-        let falls = self.law(before, approach).dies_out() || self.system.slides();
+        let falls = self.law(before, approach).dies_out() || self.rubs(before);
         let dies_out = falls || approach == 0.0;
         let low = dies_out && approach <= self.progress.floor;
         let counted = Counted { low, ..Counted::from(&impact) };
@@ -39,6 +39,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     fn law(&self, state: &S::State, approach: R) -> LawAt<R> {
         let system = self.system;
         system.law_of(system.at_hand(state), system.wall(state), approach)
+    }
+
+    /// True if the absorber at hand rubs in its gap.
+    fn rubs(&self, state: &S::State) -> bool {
+        self.system.rubs(self.system.at_hand(state))
     }
 
     /// True if the absorber leaves its wall with a speed with which it can return.
@@ -85,7 +90,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             let flight = self.system.flight(state);
             rebound.fourth = flight.fourth();
             // Over a structure at rest high rebounds are summable too; those that are listed are flown in one piece each.
-            low = self.system.slides() || rebound.first_search() <= flight.reach();
+            low = self.rubs(state) || rebound.first_search() <= flight.reach();
         }
         let stick_clock = self.progress.clock.plus(rebound.tail());
         let smooth = low && rebound.tail() < self.system.excitation().smooth_for(S::phase(state));
@@ -115,7 +120,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             {
                 return;
             }
-            if self.system.slides() {
+            if self.rubs(&state) {
                 let Some((touching, later)) = self.slid_back(&state) else { return };
                 clock = clock + later;
                 let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));

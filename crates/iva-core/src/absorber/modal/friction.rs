@@ -1,0 +1,239 @@
+//! Coulomb friction of masses in their gaps.
+//!
+//! A mass that slides with the sign s of its gap velocity is decelerated by R, and pulls its point along with s μ R: gravity G + s R in
+//! place of G (`modal/equations.rs`). One at rest in its gap moves with its point, as one that is stuck does, while |A| ≤ R, with
+//! A = ü + a_g + G + k y/μ. On a wall it is stuck while −s A + R ≥ 0: the wall pushes only, and friction carries R at most.
+//!
+//! Friction is finite, so a blow carries no mass that friction holds: it slides from then on. Each beginning, turn and end of a slide
+//! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
+//! at once ([`Modal::settled`]).
+
+use super::state::Place;
+use super::{Modal, ModalMotion, ModalState};
+use crate::absorber::chatter::Back;
+use crate::absorber::{Absorber as _, impact};
+use crate::host::Host;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::contact::{Stretch, first_release, keeps_pressing};
+use crate::segment::flight::{Curve, Jet, Motion as _, Side};
+use crate::segment::slide::{Slide, first_end};
+
+/// Largest difference of R and |A| where a held mass slides off, in units of 2⁻⁵² of the terms that cancel in it.
+const BALANCED_ULPS: f64 = 1024.0;
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// s R of a mass that slides; 0 of others.
+    #[inline(always)]
+    pub(super) fn rubbing(&self, k: usize, place: &Place<R>) -> R {
+        if place.carried() { R::ZERO } else { place.sliding * self.friction[k] }
+    }
+
+    /// The place of a mass that slides as it moves, or would slide off its wall.
+    pub(super) fn directed(&self, k: usize, place: &Place<R>) -> Place<R> {
+        if self.friction[k] == 0.0 || place.stuck {
+            return *place;
+        }
+        let w = -place.side * place.rate.value;
+        let sliding = match w {
+            w if w != 0.0 => w.signum(),
+            _ if place.distance.value == 0.0 => -place.side,
+            _ => return *place,
+        };
+        Place { sliding, held: false, ..*place }
+    }
+
+    /// The state in which each mass at rest in its gap is held, or slides off where friction cannot hold it.
+    ///
+    /// What one of them does changes A of all others. The forces are those of a linear complementarity problem with a positive
+    /// definite matrix, as those of impacts (`modal/impact_law.rs`), and the first mass that breaks its rule is changed until none does.
+    pub(super) fn settled(&self, state: &ModalState<H, N>) -> ModalState<H, N> {
+        let rests = |k: &usize| {
+            let place = &state.places[*k];
+            let inside = place.distance.value > 0.0 && !place.stuck;
+            self.friction[*k] != 0.0 && inside && place.rate.value == 0.0
+        };
+        let mut now = *state;
+        if !(0..self.count).any(|k| rests(&k)) {
+            return now;
+        }
+        for _ in 0..4_usize << (2 * self.count) {
+            let Some((k, sliding)) = (0..self.count)
+                .filter(rests)
+                .find_map(|k| self.broken(&now, k).map(|sliding| (k, sliding)))
+            else {
+                break;
+            };
+            now = now.renewed();
+            now.places[k].sliding = sliding;
+            now.places[k].held = sliding == 0.0;
+        }
+        now
+    }
+
+    /// How a mass at rest in its gap goes on instead, if not as it is said to: the sign of its slide, 0 if it is held.
+    fn broken(&self, state: &ModalState<H, N>, k: usize) -> Option<R> {
+        let Place { held, sliding, .. } = state.places[k];
+        let [a, jerk, ..] = self.shaken(state, k);
+        if held {
+            let over = |s: R| {
+                let left = s.mul_add(a, self.friction[k]);
+                left < 0.0 || (left == 0.0 && s * jerk < 0.0)
+            };
+            return [R::ONE, -R::ONE].into_iter().find(|s| over(*s));
+        }
+        let goes = sliding * a < 0.0 || (a == 0.0 && sliding * jerk < 0.0);
+        (sliding == 0.0 || !goes).then_some(R::ZERO)
+    }
+
+    /// The first event of a slide of the absorber at hand.
+    pub(super) fn first_end_of(
+        &self,
+        flight: &ModalMotion<'_, H, N>,
+        length: R,
+    ) -> Option<Slide<ModalState<H, N>, R>> {
+        let speed = Speed { slide: flight };
+        if !(flight.fourth().is_finite() && speed.fourth().is_finite()) {
+            return None;
+        }
+        let (k, _, place) = self.at_hand_of(&flight.from);
+        let ahead = if place.sliding == place.side { Side::Near } else { Side::Far };
+        let clearance = self.masses[k].clearance;
+        Some(first_end((flight, &speed), &flight.from, ahead, clearance, length))
+    }
+
+    /// The state in which the absorber at hand has stopped in its gap, and how much later it is.
+    pub(super) fn at_stop(&self, state: &ModalState<H, N>) -> (ModalState<H, N>, R) {
+        let (k, mass, place) = self.at_hand_of(state);
+        let [a, jerk, ..] = self.shaken(state, k);
+        let later = impact::delay(place.rate.value, place.side * a, place.side * jerk);
+        let mut after = self.moved(state, later, |l| l == k).renewed();
+        let distance = place.distance.plus(place.rate.value * later * 0.5);
+        let (rate, sliding) = (DoubleDouble::ZERO, R::ZERO);
+        let at_rest = Place { distance, rate, held: true, sliding, ..after.places[k] };
+        let across = -distance.minus(mass.clearance * 2.0);
+        let at_wall = |side: R| {
+            let there = Place { side, distance: DoubleDouble::ZERO, held: false, ..at_rest };
+            self.directed(k, &there)
+        };
+        after.places[k] = match at_rest {
+            _ if distance.value <= 0.0 => at_wall(place.side),
+            _ if across <= 0.0 => at_wall(-place.side),
+            _ => at_rest,
+        };
+        (self.settled(&after), later)
+    }
+
+    /// The state in which the absorber at hand slides off with this sign at the end of a ride, and how much later it is; `None` if that is
+    /// no such instant.
+    pub(super) fn at_slip(
+        &self,
+        ride: &ModalMotion<'_, H, N>,
+        state: &ModalState<H, N>,
+        off: R,
+    ) -> Option<(ModalState<H, N>, R)> {
+        let ride = ride.sliding_off(off);
+        let Jet { value, rate, curvature, .. } = ride.jet(state);
+        if value.abs() > ride.magnitude() * (R::EPSILON * BALANCED_ULPS) {
+            return None;
+        }
+        let k = self.index(state.at_hand.into());
+        let later = impact::delay(value, rate, curvature);
+        let mut after = self.moved(state, later, |l| l == k).renewed();
+        (after.places[k].held, after.places[k].sliding) = (false, off);
+        // A of the slide is 0 there without rounding.
+        let [_, jerk, snap, crackle] = self.shaken(&after, k);
+        after.places[k].shaken = Some([R::ZERO, jerk, snap, crackle]);
+        Some((self.settled(&after), later))
+    }
+
+    /// Σ μ R |Δy| of all masses that slide between two states.
+    pub(super) fn rubbed_by_all(&self, [from, to]: [&ModalState<H, N>; 2]) -> R {
+        let sliding = |k: &usize| self.rubbing(*k, &from.places[*k]) != 0.0;
+        (0..self.count).filter(sliding).fold(R::ZERO, |sum, k| {
+            let way = (to.places[k].distance - from.places[k].distance).value.abs();
+            (self.masses[k].mass_ratio * self.friction[k]).mul_add(way, sum)
+        })
+    }
+
+    /// How the absorber at hand returns from a rebound that begins in a state.
+    pub(super) fn way_back(&self, state: &ModalState<H, N>) -> Option<Back<R>> {
+        let (k, _, place) = self.at_hand_of(state);
+        if self.friction[k] == 0.0 {
+            return None;
+        }
+        let mut back = state.renewed();
+        back.places[k].sliding = place.side;
+        let Jet { curvature, jerk, .. } = self.distance(&back);
+        Some(Back { pressure: -curvature, jerk })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
+    /// True if it is proved that the absorber at hand does not stop between these places.
+    pub(super) fn keeps_sliding(&self, ends: [&Place<R>; 2], length: R) -> bool {
+        let s = self.from.places[self.at_hand()].sliding;
+        let ends =
+            ends.map(|place| [-s * place.side * place.rate.value, -s * self.shaken(place)[0]]);
+        let size = ends[0][0].abs()
+            + ends[1][0].abs()
+            + self.system.terms(&self.from, self.at_hand()) * length;
+        keeps_pressing(ends, size, self.fourth_of(4), length)
+    }
+
+    /// The first instant within a length at which friction no longer holds the absorber at hand, and the sign of its slide from there on.
+    pub(super) fn first_slip(&self, length: R) -> (Stretch<ModalState<H, N>, R>, R) {
+        let off = |off: R| self.sliding_off(off);
+        let up = first_release(&off(R::ONE), &self.from, length);
+        let whole = if up.contact.is_some() { up.end.h } else { length };
+        let down = first_release(&off(-R::ONE), &self.from, whole);
+        let undecided = up.undecided + down.undecided;
+        if down.contact.is_none() {
+            return (Stretch { undecided, ..up }, R::ONE);
+        }
+        // Grazings of the other limit after the event were counted as well.
+        let before = match up.undecided {
+            0 => 0,
+            _ => first_release(&off(R::ONE), &self.from, down.end.h).undecided,
+        };
+        (Stretch { undecided: before + down.undecided, ..down }, -R::ONE)
+    }
+}
+
+/// The speed |w| of the absorber at hand.
+#[derive(Debug)]
+struct Speed<'s, 'a, H: Host, const N: usize> {
+    slide: &'s ModalMotion<'a, H, N>,
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Speed<'_, '_, H, N> {
+    type Real = R;
+    type Sample = ModalState<H, N>;
+
+    fn sample(&self, h: R) -> Self::Sample {
+        self.slide.sample(h)
+    }
+
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
+        let place = &sample.places[self.slide.at_hand()];
+        let s = place.sliding;
+        let [a, jerk, snap, _] = self.slide.shaken(place);
+        let value = -s * place.side * place.rate.value;
+        Jet { value, rate: -s * a, curvature: -s * jerk, jerk: -s * snap }
+    }
+
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        let Place { side, rate, sliding, .. } = self.slide.place(self.slide.at_hand(), h);
+        let factor = -sliding * side;
+        DoubleDouble { value: factor * rate.value, rest: factor * rate.rest }
+    }
+
+    fn fourth(&self) -> R {
+        self.slide.fourth_of(4)
+    }
+
+    /// The terms are bounded by the search ([`crate::segment::slide`]), as a slide from rest is as accurate as it is slow.
+    fn magnitude(&self) -> R {
+        self.slide.origin().places[self.slide.at_hand()].rate.value.abs()
+    }
+}
