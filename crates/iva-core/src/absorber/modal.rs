@@ -120,8 +120,6 @@ pub struct Modal<H: Host, const N: usize = MOST> {
     gravity: [H::Real; N],
     /// The deceleration R of each mass that slides, by friction.
     friction: [H::Real; N],
-    /// What the weight of all masses does to the modes; empty without.
-    weight: Vec<DoubleDouble<H::Real>>,
     /// What a set of stuck or held masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
@@ -181,7 +179,6 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             tied: std::array::from_fn(|_| None),
             gravity: [R::ZERO; N],
             friction: [R::ZERO; N],
-            weight: vec![],
             stuck: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
@@ -250,7 +247,6 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             tied: self.tied.clone(),
             gravity: self.gravity,
             friction: self.friction,
-            weight: vec![],
             stuck: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
@@ -266,27 +262,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         self.mobility = mobility;
-        self.weight = self.weight_of_all();
         self.stuck = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
         self
-    }
-
-    /// Σ μ G φ of the gaps: a tied mass falls, and each lifts its point.
-    fn weight_of_all(&self) -> Vec<DoubleDouble<R>> {
-        let heavy = || (0..self.count).filter(|k| self.gravity[*k] != 0.0);
-        if heavy().next().is_none() {
-            return vec![];
-        }
-        let mut weight = vec![DoubleDouble::ZERO; self.whole.count()];
-        for k in heavy() {
-            let own = DoubleDouble::new(self.masses[k].mass_ratio).times(self.gravity[k]);
-            for (sum, phi) in weight.iter_mut().zip(self.gap_shape(k)) {
-                *sum = *sum + own.times(*phi);
-            }
-        }
-        weight
     }
 
     /// The same system, of which a run sees the motion at another named point.
@@ -360,8 +339,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         }
         // What reaches a tied mass reaches it by its coordinate.
         let alone = self.tied[k].is_none();
-        let constant =
-            if alone { gravity.plus(self.rubbing(k, place)) } else { DoubleDouble::ZERO };
+        let constant = if alone { self.pull(k, place) } else { DoubleDouble::ZERO };
         Followed { shape: self.gap_shape(k), with_base: alone, constant }
     }
 
@@ -376,8 +354,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let carried = |k: &usize| places[*k].carried();
         let set: usize = (0..self.count).filter(carried).map(|k| 1 << k).sum();
         let made = || self.stuck_set((0..self.count).filter(carried).collect());
-        let rubbing = std::array::from_fn(|k| self.rubbing(k, &places[k]));
-        Regime { stuck: self.stuck[set].get_or_init(made), rubbing }
+        let pulls = std::array::from_fn(|k| self.pull(k, &places[k]));
+        Regime { stuck: self.stuck[set].get_or_init(made), pulls }
     }
 
     /// The mass ratio of all masses together.

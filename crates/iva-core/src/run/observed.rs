@@ -80,7 +80,6 @@ observed! {
     Several<DrivenHost>,
     Mixed<UndrivenHost>,
     Mixed<DrivenHost>,
-    Modal<UndrivenHost>,
     Modal<DrivenHost>,
     Alone<UndrivenHost>,
     Alone<DrivenHost>,

@@ -156,11 +156,8 @@ fn mounted<R: Real>(
     let system = Modal::of(modes, &masses)?.seen_at(seen)?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
-    if Scene::undriven(&force) {
-        return Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })));
-    }
     let system = system.under(force, pushed).map_err(named)?;
-    Ok(Scene::DrivenModal(Box::new(Mounted { system, start, gravity })))
+    Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })))
 }
 
 /// An error of the core with the name that the user knows.

@@ -288,7 +288,6 @@ observes_any! {
     Mixed<UndrivenHost<R>>,
     Mixed<DrivenHost<R>>,
     Sliding<R>,
-    Modal<UndrivenHost<R>>,
     Modal<DrivenHost<R>>,
     Alone<UndrivenHost<R>>,
     Alone<DrivenHost<R>>,

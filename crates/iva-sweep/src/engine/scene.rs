@@ -46,10 +46,8 @@ pub enum Scene<R: Real = f64> {
     Mixed(Box<Mounted<Mixed<UndrivenHost<R>>>>),
     /// Free masses and pendulums on one structure under force.
     DrivenMixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
-    /// Free masses on a structure with several modes, in free decay.
-    Modal(Box<Mounted<Modal<UndrivenHost<R>>>>),
-    /// Free masses on a structure with several modes, under force.
-    DrivenModal(Box<Mounted<Modal<DrivenHost<R>>>>),
+    /// Free masses on a structure with several modes, or tied to their points, or with weight in a list; under force or in free decay.
+    Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// A structure without absorber in free decay.
     Alone(Mounted<Alone<UndrivenHost<R>>>),
     /// A structure without absorber under force.
@@ -74,8 +72,7 @@ macro_rules! with_system {
             Scene::Sliding($mounted) if EVERY_SCENE => $body,
             Scene::Mixed($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenMixed($mounted) if EVERY_SCENE => $body,
-            Scene::Modal($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
-            Scene::DrivenModal($mounted) if EVERY_SCENE => $body,
+            Scene::Modal($mounted) if EVERY_SCENE => $body,
             Scene::Alone($mounted) if Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenAlone($mounted) => $body,
             _ => unreachable!("scenes of this kind are not built"),
@@ -153,7 +150,6 @@ impl<R: Real> Scene<R> {
     fn modes(&self) -> Option<&ModalStructure<R>> {
         match self {
             Scene::Modal(it) => Some(it.system.structure()),
-            Scene::DrivenModal(it) => Some(it.system.structure()),
             _ => None,
         }
     }
@@ -195,7 +191,6 @@ impl<R: Real> Scene<R> {
     pub fn tie_of(&self, absorber: usize) -> Tie<R> {
         match self {
             Scene::Modal(it) => it.system.tie(absorber),
-            Scene::DrivenModal(it) => it.system.tie(absorber),
             _ => Tie::NONE,
         }
     }
@@ -206,7 +201,6 @@ impl<R: Real> Scene<R> {
         match self {
             Scene::Sliding(_) => true,
             Scene::Modal(it) => any(it.system.friction()),
-            Scene::DrivenModal(it) => any(it.system.friction()),
             _ => false,
         }
     }
@@ -268,7 +262,6 @@ impl<R: Real> Scene<R> {
             Scene::DrivenSiva(it) => Some(it.system.gravity()),
             Scene::Sliding(it) => Some(it.system.without_friction().gravity()),
             Scene::Modal(it) => it.system.gravity().get(absorber).copied(),
-            Scene::DrivenModal(it) => it.system.gravity().get(absorber).copied(),
             _ => None,
         }
     }

@@ -30,6 +30,7 @@ mod inclined;
 mod inclined_lanes;
 mod invariants;
 mod lanes;
+mod leaps;
 mod limits;
 mod lyapunov;
 mod masses_errors;

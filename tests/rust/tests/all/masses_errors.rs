@@ -44,11 +44,13 @@ impl OnModes {
         let full = rng.unit() > 0.5;
         let structure = any_structure::<R>(&mut rng, MODES, full);
         let at = std::array::from_fn(|k| (built::<R>(masses[k]), POINTS[k]));
-        // Two of three scenes have dashpots in their gaps, and every other one a spring and gravity.
+        // Two of three scenes have dashpots in their gaps, and every other one a spring and gravity; every fourth rubs.
         let [one, other] = [self.seed % 3, self.seed % 2].map(|share| share as f64);
         let tied = [[0.05 * other, 0.01 * one], [0.0, 0.01 * other]];
         let system = Modal::new(structure, at).unwrap().with_ties(&ties(&tied)).unwrap();
-        system.with_gravity(&[R::from(0.1 * one), R::from(0.2 * other)]).unwrap()
+        let system = system.with_gravity(&[R::from(0.1 * one), R::from(0.2 * other)]).unwrap();
+        let friction = if self.seed % 4 == 3 { 0.02 } else { 0.0 };
+        system.with_friction(&[R::from(friction), R::ZERO]).unwrap()
     }
 
     fn begin<R: Real>(start: &[R]) -> ModalStart<R, MASSES> {

@@ -351,7 +351,6 @@ fn work_of(study: &Study) -> u64 {
         Scene::Mixed(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenMixed(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Modal(it) => tally(&it.system, &it.start, &design.limits),
-        Scene::DrivenModal(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Alone(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenAlone(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Sliding(it) => tally(&it.system, &it.start, &design.limits),

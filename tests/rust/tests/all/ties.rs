@@ -5,8 +5,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
-    absorber::Start,
     absorber::modal::{Modal, ModalStart, ModalStructure},
+    absorber::sliding::Sliding,
+    absorber::{OnStructure as _, Start},
     flight::GapPoint,
     force::{Acts, Force},
     host::UndrivenHost,
@@ -62,7 +63,8 @@ fn a_mass_swings_on_its_spring_and_falls_without() {
         let system = system.with_gravity(&[gravity]).unwrap();
         let found = run(&system, &begin, &limits(duration)).unwrap();
         assert!(found.impacts.is_empty());
-        assert!(found.measures.energy_residual.abs() < 1e-28);
+        let residual = found.measures.energy_residual.abs();
+        assert!(residual < 1e-15 * system.energy(&found.tally.state), "{residual:e}");
         system.gaps(&found.tally.state)[0]
     };
     let (swung, omega) = (with(k), (k / mu).sqrt());
@@ -76,11 +78,12 @@ fn a_mass_swings_on_its_spring_and_falls_without() {
     assert!((fallen.w - (0.3 - gravity * duration)).abs() < 1e-11, "{fallen:?}");
 }
 
-/// On one mode and an inclined line a mass is the one of the equations of one mode, in decays and under forces, with its sticks.
+/// On one mode and an inclined line a mass is the one of the equations of one mode, in decays and under forces, with its sticks; and so
+/// is one that rubs, with its stops and holds.
 #[test]
-fn on_one_mode_gravity_is_that_of_one_mode() {
+fn on_one_mode_gravity_and_friction_are_those_of_one_mode() {
     let mut rng = Rng::new(74);
-    let [mut impacts, mut episodes] = [0, 0];
+    let ([mut impacts, mut episodes], mut stops) = ([0, 0], 0);
     for round in 0..24 {
         let [mu, e, d] = [rng.log_range(0.02, 0.4), rng.range(0.1, 0.9), rng.range(0.2, 1.0)];
         let [zeta, gravity] = [rng.range(0.0, 0.05), rng.log_range(0.02, 0.5)];
@@ -89,30 +92,44 @@ fn on_one_mode_gravity_is_that_of_one_mode() {
             1 => push(0.3, 0.8, Acts::Primary),
             _ => push(0.3, 0.8, Acts::Base),
         };
-        let siva = Siva::new(mu, e, d, zeta).unwrap().inclined(gravity, force.clone());
+        let friction = if round % 2 == 0 { rng.log_range(0.01, 0.3) } else { 0.0 };
+        let siva = Siva::new(mu, e, d, zeta).unwrap();
+        let one = Sliding::new(&siva, gravity, friction, force.clone()).unwrap();
         let begin = Start { displacement: 1.0, gap_displacement: -d, ..Start::default() };
-        let one = run(&siva, &begin, &limits(15.0)).unwrap();
+        let one = run(&one, &begin, &limits(15.0)).unwrap();
         let modal = system::<f64>([mu, e, d, zeta, 0.0, 0.0]).with_gravity(&[gravity]).unwrap();
+        let modal = modal.with_friction(&[friction]).unwrap();
         let begin = start([1.0, 0.0, -d, 0.0]);
         let other = match round % 3 {
-            0 => {
-                run(&modal, &begin, &limits(15.0)).map(|it| (it.impacts, it.episodes, it.measures))
-            }
+            0 => run(&modal, &begin, &limits(15.0))
+                .map(|it| (it.impacts, it.episodes, it.measures, it.tally.friction)),
             _ => run(&modal.under(force, "top").unwrap(), &begin, &limits(15.0))
-                .map(|it| (it.impacts, it.episodes, it.measures)),
+                .map(|it| (it.impacts, it.episodes, it.measures, it.tally.friction)),
         };
-        let (other, sticks, measures) = other.unwrap();
-        assert_eq!((one.impacts.len(), one.episodes.len()), (other.len(), sticks.len()), "{round}");
+        let (other, sticks, measures, rubbed) = other.unwrap();
+        let both = one.impacts.iter().zip(&other);
+        let apart: Vec<_> = both.map(|(a, b)| (a.time, a.time - b.time)).collect();
+        let alike = (one.impacts.len(), one.episodes.len()) == (other.len(), sticks.len());
+        assert!(alike, "{round}: {apart:?}");
         let few = one.impacts.len().min(12);
         let off = furthest(&rows(&one.impacts[..few]), &rows(&other[..few]));
         assert!(off < 1e-12, "{round}: {off:e}");
+        episodes += sticks.len();
         let lost = [one.measures.energy_viscous, measures.energy_viscous];
         assert!((lost[0] - lost[1]).abs() < 1e-11, "{round}: {lost:?}");
+        let [a, b] = [one.tally.friction, rubbed];
+        // Stops of a chatter whose rest is summed are not counted, and each sums from another rebound on.
+        assert!(
+            a.holds == b.holds && (!sticks.is_empty() || a.stops.abs_diff(b.stops) <= 2),
+            "{round}"
+        );
+        assert!((a.energy.value - b.energy.value).abs() < 1e-11, "{round}");
+        assert!((a.time_held.value - b.time_held.value).abs() < 1e-11, "{round}");
+        stops += a.stops;
         impacts += one.impacts.len();
-        episodes += sticks.len();
     }
-    println!("{impacts} impacts, {episodes} episodes");
-    assert!(impacts > 300 && episodes > 10, "{impacts} {episodes}");
+    println!("{impacts} impacts, {episodes} episodes, {stops} stops");
+    assert!(impacts > 300 && episodes > 10 && stops > 50, "{impacts} {episodes} {stops}");
 }
 
 fn limits<R: Real>(duration: f64) -> Limits<R> {
@@ -123,16 +140,18 @@ fn limits<R: Real>(duration: f64) -> Limits<R> {
 struct Told {
     impacts: Vec<Row>,
     episodes: usize,
-    /// Lost in impacts, dampers of the structure and dashpots, and what is left of the ledger.
-    energies: [f64; 4],
+    /// Lost in impacts, dampers of the structure, dashpots and friction, and what is left of the ledger.
+    energies: [f64; 5],
 }
 
-/// Three masses on three modes, of which the last two have a dashpot and the last a spring, on lines that rise in every other scene: in free decay, under a force, or on a moving base.
+/// Three masses on three modes, of which the last two have a dashpot and the last a spring, on lines that rise in every other
+/// scene, with friction in every third: in free decay, under a force, or on a moving base.
 fn mixed<R: Real>(seed: u64) -> Told {
     let mut rng = Rng::new(900 + seed);
     let mut any = || rng.log_range(1e-3, 0.1);
     let tied = [[0.0, 0.0], [0.0, any()], [any(), any()]];
     let gravity = [0.0, any(), any()].map(|along| if seed.is_multiple_of(2) { along } else { 0.0 });
+    let friction = [0.0, any(), any()].map(|rubs| if seed % 3 == 1 { rubs } else { 0.0 });
     let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
     let full = rng.unit() > 0.5;
     let structure = any_structure::<R>(&mut rng, 3, full);
@@ -140,6 +159,7 @@ fn mixed<R: Real>(seed: u64) -> Told {
     let start = any_start::<R, 3>(&mut rng, 3, &masses);
     let system = Modal::new(structure, at).unwrap().with_ties(&ties(&tied)).unwrap();
     let system = system.with_gravity(&reals(&gravity)).unwrap();
+    let system = system.with_friction(&reals(&friction)).unwrap();
     let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
     match acts {
         None => told(&run(&system, &start, &limits(20.0)).unwrap()),
@@ -157,6 +177,7 @@ fn told<S, R: Real>(run: &Run<S, R>) -> Told {
         run.tally.energy_impacts,
         measures.energy_viscous,
         measures.energy_pivot,
+        measures.energy_friction,
         measures.energy_residual,
     ];
     let energies = energies.map(Real::double);
@@ -167,12 +188,16 @@ fn told<S, R: Real>(run: &Run<S, R>) -> Told {
 #[test]
 fn ledgers_close_and_doubles_agree_with_twice_the_precision() {
     let ([mut impacts, mut episodes], mut worst) = ([0, 0], 0.0_f64);
-    for seed in 0..24 {
+    for seed in 0..30 {
         let (plain, exact) = (mixed::<f64>(seed), mixed::<Twofold>(seed));
-        let [struck, viscous, dashpots, residual] = plain.energies;
+        let [struck, viscous, dashpots, rubbed, residual] = plain.energies;
         assert!(dashpots > 0.0 && viscous > 0.0, "{seed}");
-        assert!(residual.abs() < 1e-13 * (struck + viscous + dashpots), "{seed}: {residual:e}");
-        assert!(exact.energies[3].abs() < 1e-25, "{seed}: {:e}", exact.energies[3]);
+        assert!((rubbed > 0.0) == (seed % 3 == 1), "{seed}");
+        assert!(
+            residual.abs() < 1e-13 * (struck + viscous + dashpots + rubbed),
+            "{seed}: {residual:e}"
+        );
+        assert!(exact.energies[4].abs() < 1e-25, "{seed}: {:e}", exact.energies[4]);
         for (a, b) in plain.impacts.iter().zip(&exact.impacts).take(8) {
             assert_eq!(a.0, b.0, "{seed}");
             worst = worst.max((a.1[0] - b.1[0]).abs());

@@ -32,8 +32,8 @@ const MARGIN: f64 = 1.0 + 1e-9;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Regime<'a, R, const N: usize> {
     pub stuck: &'a Stuck<R>,
-    /// s R of each mass that slides.
-    pub rubbing: [R; N],
+    /// G of each mass, and s R of one that slides.
+    pub pulls: [DoubleDouble<R>; N],
 }
 
 /// What a set of stuck or held masses needs.
@@ -135,7 +135,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         &self,
         rows: &mut ModalSeries<R>,
         m: usize,
-        Regime { stuck, rubbing }: &Regime<'_, R, N>,
+        Regime { stuck, pulls }: &Regime<'_, R, N>,
         pushed: [T; 3],
         unit: R,
     ) {
@@ -175,13 +175,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
         }
         let [f, a, gravity] = pushed.map(|push| push * T::from_real(square));
-        for (force, weight) in force.iter_mut().zip(&self.weight) {
-            *force = *force + gravity * T::of(*weight);
-        }
-        for (k, rubbing) in rubbing.iter().enumerate().filter(|(_, it)| m == 0 && **it != 0.0) {
-            let pull = DoubleDouble::new(self.masses[k].mass_ratio).times(*rubbing);
+        for (k, pull) in pulls.iter().enumerate().filter(|(_, it)| m == 0 && it.value != 0.0) {
+            let weight = gravity * T::of(pull.times(self.masses[k].mass_ratio));
             for (force, phi) in force.iter_mut().zip(self.gap_shape(k)) {
-                *force = *force + gravity * T::of(pull) * T::from_real(*phi);
+                *force = *force + weight * T::from_real(*phi);
             }
         }
         if self.host.is_driven() {
@@ -349,13 +346,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
         let mut sum = constant.value.abs() + self.gravity[k].abs() + self.friction[k];
         for (l, mass) in self.masses().iter().enumerate() {
-            sum += mass.mass_ratio * self.friction[l] * self.mobility[k][l].value.abs();
+            let most = self.gravity[l].abs() + self.friction[l];
+            sum += mass.mass_ratio * most * self.mobility[k][l].value.abs();
         }
         let growth = self.whole.growth();
         for (j, phi) in shape.iter().enumerate() {
             let spring = self.whole.stiffness[j].value * state.modes.places[j].value.abs();
-            let weight = self.weight.get(j).map_or(R::ZERO, |weight| weight.value.abs());
-            sum += phi.abs() * (spring + weight + growth * state.modes.velocities[j].value.abs());
+            sum += phi.abs() * (spring + growth * state.modes.velocities[j].value.abs());
         }
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(0));
         let pushed = self.whole.shape(self.pushed).iter().zip(shape);

@@ -19,6 +19,9 @@ use crate::segment::contact::{Stretch, first_release, keeps_pressing};
 use crate::segment::flight::{Curve, Jet, Motion as _, Side};
 use crate::segment::slide::{Slide, first_end};
 
+/// What rounding may do to a speed, in units of 2⁻⁵² of the numbers that it is the sum of.
+const DOUBT: f64 = 64.0;
+
 /// Largest difference of R and |A| where a held mass slides off, in units of 2⁻⁵² of the terms that cancel in it.
 const BALANCED_ULPS: f64 = 1024.0;
 
@@ -27,6 +30,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     #[inline(always)]
     pub(super) fn rubbing(&self, k: usize, place: &Place<R>) -> R {
         if place.carried() { R::ZERO } else { place.sliding * self.friction[k] }
+    }
+
+    /// G of a mass, and s R of one that slides.
+    #[inline(always)]
+    pub(super) fn pull(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        DoubleDouble::new(self.gravity[k]).plus(self.rubbing(k, place))
     }
 
     /// The place of a mass that slides as it moves, or would slide off its wall.
@@ -84,6 +93,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         }
         let goes = sliding * a < 0.0 || (a == 0.0 && sliding * jerk < 0.0);
         (sliding == 0.0 || !goes).then_some(R::ZERO)
+    }
+
+    /// True if it is proved that a mass does not stop in a leap, by distance and rate at both ends, a bound on the third derivative of the
+    /// distance, and the length.
+    pub(super) fn slides_on(
+        &self,
+        k: usize,
+        place: &Place<R>,
+        [[_, begin], [_, end]]: [[R; 2]; 2],
+        [third, length]: [R; 2],
+    ) -> bool {
+        let along = -place.sliding * place.side;
+        let least = (along * begin).min(along * end);
+        // A speed is off the chord by h²/8 of its second derivative at most.
+        let bent = length * length * third * 0.125;
+        let size = begin.abs() + end.abs() + self.masses[k].clearance;
+        least > bent + R::EPSILON * DOUBT * size
     }
 
     /// The first event of a slide of the absorber at hand.

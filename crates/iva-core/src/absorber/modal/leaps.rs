@@ -1,8 +1,9 @@
 //! Leaps: the motion of an undriven structure over lengths each of which is twice the one before, of which everything but the
 //! state is known beforehand.
 //!
-//! While no mass is stuck, z = (q, q̇) moves by z(t + h) = Φ(h) z(t) + c(h), where c is what gravity does to a structure at rest. Φ and c of the shortest length are
-//! power series of `modal/equations.rs`, Φ from each unit vector without gravity; of twice the length they are Φ² and Φ c + c. All are in double-double. Modes that exchange no energy have
+//! While no mass is stuck or held, z = (q, q̇) moves by z(t + h) = Φ(h) z(t) + Σ pₖ cₖ(h), where cₖ is what a mass that is pulled with an acceleration 1 does to a structure
+//! at rest, and pₖ = Gₖ + sₖ Rₖ. Φ and c of the shortest length are power series of `modal/equations.rs`, Φ from each unit vector without pulls; of twice the length they are
+//! Φ² and Φ c + c. All are in double-double. Modes that exchange no energy have
 //! blocks of 2 × 2.
 //!
 //! **Proof that a leap meets no wall** ([`Modal::coasts`]). The distance of a mass to its wall is D = L + s φ·q, with L linear in t, or quadratic where gravity acts on the mass alone.
@@ -13,6 +14,7 @@
 //!
 //! Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
 
+use super::equations::Regime;
 use super::series::EXACT;
 use super::state::{Modes, Place};
 use super::structure::Damping;
@@ -46,8 +48,8 @@ pub(super) struct Leaps<R> {
 struct Propagator<R> {
     high: Vec<R>,
     low: Vec<R>,
-    /// c; empty without gravity.
-    fall: Vec<DoubleDouble<R>>,
+    /// c of each mass; empty of one that nothing pulls.
+    falls: Vec<Vec<DoubleDouble<R>>>,
 }
 
 /// z: all q, then all q̇, in high and low parts.
@@ -194,12 +196,14 @@ impl<R: Real> Propagator<R> {
                 (square.high[place(i)], square.low[place(i)]) = (to.high[i], to.low[i]);
             }
         }
-        for (i, fall) in self.fall.iter().enumerate() {
-            (z.high[i], z.low[i]) = (fall.value, fall.rest);
-        }
-        self.apply(n, separate, &z, &mut to);
-        for (i, fall) in square.fall.iter_mut().enumerate() {
-            *fall = DoubleDouble { value: to.high[i], rest: to.low[i] };
+        for fall in square.falls.iter_mut().filter(|fall| !fall.is_empty()) {
+            for (i, part) in fall.iter().enumerate() {
+                (z.high[i], z.low[i]) = (part.value, part.rest);
+            }
+            self.multiply(n, separate, &z, &mut to);
+            for (i, part) in fall.iter_mut().enumerate() {
+                *part = *part + DoubleDouble { value: to.high[i], rest: to.low[i] };
+            }
         }
         square
     }
@@ -210,13 +214,21 @@ impl<R: Real> Propagator<R> {
         if separate { self.turn(n, z, to) } else { self.product(2 * n, z, to) }
     }
 
-    /// Φ z + c.
+    /// Φ z + Σ p c.
     #[inline(always)]
-    fn apply(&self, n: usize, separate: bool, z: &Flown<R>, to: &mut Flown<R>) {
+    fn apply(
+        &self,
+        (n, separate): (usize, bool),
+        z: &Flown<R>,
+        to: &mut Flown<R>,
+        pulls: &[DoubleDouble<R>],
+    ) {
         self.multiply(n, separate, z, to);
-        for ((high, low), fall) in to.high.iter_mut().zip(&mut to.low).zip(&self.fall) {
-            let sum = *fall + DoubleDouble { value: *high, rest: *low };
-            (*high, *low) = (sum.value, sum.rest);
+        for (fall, pull) in self.falls.iter().zip(pulls).filter(|(_, pull)| pull.value != 0.0) {
+            for ((high, low), part) in to.high.iter_mut().zip(&mut to.low).zip(fall) {
+                let sum = *pull * *part + DoubleDouble { value: *high, rest: *low };
+                (*high, *low) = (sum.value, sum.rest);
+            }
         }
     }
 }
@@ -226,8 +238,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     fn leaps(&self) -> Option<&Leaps<R>> {
         let n = self.whole.count();
         let free = self.host.force().is_none_or(Force::is_none);
-        let rubs = self.friction.iter().any(|it| *it != 0.0);
-        if !free || rubs || !(self.whole.is_separate() || n <= MOST_COUPLED) {
+        if !free || !(self.whole.is_separate() || n <= MOST_COUPLED) {
             return None;
         }
         Some(self.leaps.get_or_init(|| self.all_leaps()))
@@ -252,18 +263,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Φ of one length from power series of the unit vectors.
     fn shortest_leap(&self, length: R, separate: bool) -> Propagator<R> {
         let n = self.whole.count();
-        let free = self.regime(&[Place::FAR; N]);
+        let mut free = self.regime(&[Place::FAR; N]);
+        free.pulls = [DoubleDouble::ZERO; N];
         let unit = R::power_of_two(length);
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
-        let (high, low, fall) = (vec![R::ZERO; size], vec![R::ZERO; size], vec![]);
-        let mut whole = Propagator { high, low, fall };
-        let ends = |modes: &Modes<R>, gravity: R| {
-            let still = |m: usize| {
-                let acting = if m == 0 { gravity } else { R::ZERO };
-                [R::ZERO, R::ZERO, acting].map(DoubleDouble::new)
-            };
-            let rows = self.series(modes, &free, still, unit, (ORDER, EXACT));
+        let (high, low) = (vec![R::ZERO; size], vec![R::ZERO; size]);
+        let mut whole = Propagator { high, low, falls: vec![vec![]; self.count] };
+        let ends = |modes: &Modes<R>, regime: &Regime<'_, R, N>| {
+            let gravity = |m: usize| DoubleDouble::new(if m == 0 { R::ONE } else { R::ZERO });
+            let still = |m: usize| [DoubleDouble::ZERO, DoubleDouble::ZERO, gravity(m)];
+            let rows = self.series(modes, regime, still, unit, (ORDER, EXACT));
             rows.modes(length / unit, unit)
         };
         for column in 0..columns {
@@ -277,7 +287,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
                 (modes.places[j], modes.velocities[j]) = (one(q), one(v));
             }
-            let ends = ends(&modes, R::ZERO);
+            let ends = ends(&modes, &free);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
                 for (i, end) in [(j, q), (n + j, v)] {
@@ -287,17 +297,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 }
             }
         }
-        if !self.weight.is_empty() {
-            let Modes { places, velocities } = ends(&Modes::REST, R::ONE);
-            whole.fall = places[..n].iter().chain(&velocities[..n]).copied().collect();
+        for k in (0..self.count).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
+            let mut pulled = free;
+            pulled.pulls[k] = DoubleDouble::new(R::ONE);
+            let Modes { places, velocities } = ends(&Modes::REST, &pulled);
+            whole.falls[k] = places[..n].iter().chain(&velocities[..n]).copied().collect();
         }
         whole
     }
 
-    /// The derivatives 3 and 4 of all modes while no mass is stuck.
-    fn bent(&self, z: &Flown<R>) -> [[R; MOST_MODES]; 2] {
+    /// The derivatives 2 to 4 of all modes while no mass is stuck or held.
+    fn bent(&self, z: &Flown<R>, pulls: &[DoubleDouble<R>; N]) -> [[R; MOST_MODES]; 3] {
         let n = self.whole.count();
-        let next = |low: &[R], high: &[R], weight: &[DoubleDouble<R>]| -> [R; MOST_MODES] {
+        let next = |low: &[R], high: &[R]| -> [R; MOST_MODES] {
             let mut bent = [R::ZERO; MOST_MODES];
             for (j, bent) in bent[..n].iter_mut().enumerate() {
                 let damped = match &self.whole.damping {
@@ -307,8 +319,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                         row.fold(R::ZERO, |sum, (element, v)| element.mul_add(*v, sum))
                     }
                 };
-                let pushed = weight.get(j).map_or(R::ZERO, |weight| weight.value);
-                *bent = pushed - self.whole.stiffness[j].value.mul_add(low[j], damped);
+                *bent = -self.whole.stiffness[j].value.mul_add(low[j], damped);
             }
             for (spring, shape) in &self.whole.springs {
                 let both = shape.iter().zip(low);
@@ -319,9 +330,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
             bent
         };
-        let second = next(&z.high[..n], &z.high[n..2 * n], &self.weight);
-        let third = next(&z.high[n..2 * n], &second, &[]);
-        [third, next(&second, &third, &[])]
+        let mut second = next(&z.high[..n], &z.high[n..2 * n]);
+        for (k, pull) in pulls.iter().enumerate().filter(|(_, pull)| pull.value != 0.0) {
+            let weight = self.masses[k].mass_ratio * pull.value;
+            for (bent, phi) in second.iter_mut().zip(self.gap_shape(k)) {
+                *bent = phi.mul_add(weight, *bent);
+            }
+        }
+        let third = next(&z.high[n..2 * n], &second);
+        [second, third, next(&second, &third)]
     }
 
     /// A mass at an instant of a coast.
@@ -353,29 +370,36 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         if !R::FAST_PATHS {
             return none;
         }
-        let stuck = state.places[..self.count].iter().any(|place| place.stuck);
-        let Some(leaps) = self.leaps().filter(|_| !stuck) else { return none };
+        let carried = state.places[..self.count].iter().any(Place::carried);
+        let Some(leaps) = self.leaps().filter(|_| !carried) else { return none };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         // Begin and end of a leap, in turns.
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
-        let derivatives = self.bent(z);
-        let free = self.regime(&state.places).stuck;
-        let (mut lines, mut fourths) = ([Line::default(); N], [R::ZERO; N]);
+        let Regime { stuck: free, pulls } = self.regime(&state.places);
+        let derivatives = self.bent(z, &pulls);
+        let mut lines = [Line::default(); N];
+        let [mut thirds, mut fourths] = [[R::ZERO; N]; 2];
         let mut now = [Sight::default(); N];
         for k in 0..self.count {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
             let still = Line {
                 side: place.side,
-                bend: place.side * self.falling(k, place),
+                bend: place.side * self.falling(k, place).value,
                 ..Line::default()
             };
             let Sight { distance: [u, rate], sizes } = self.sight(shape, &still, R::ZERO, z);
             let distance = [place.distance.value, place.rate.value];
             lines[k] = Line { begin: distance[0] - u, rate: distance[1] - rate, ..still };
             now[k] = Sight { distance, sizes };
-            let of = |j: usize| [derivatives[0][j], derivatives[1][j]];
-            fourths[k] = self.bound(of, free, self.followed(k, place), 3, R::ZERO);
+            let bound = |n: usize| {
+                let of = |j: usize| [derivatives[n - 2][j], derivatives[n - 1][j]];
+                self.bound(of, free, self.followed(k, place), n, R::ZERO)
+            };
+            fourths[k] = bound(3);
+            if self.friction[k] != 0.0 {
+                thirds[k] = bound(2);
+            }
         }
         let mut then = now;
         let top = leaps.levels.len() - 1;
@@ -385,13 +409,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let length = leaps.shortest * (1_u64 << level) as f64;
                 let end = leaps.shortest * (count + (1 << level)) as f64;
                 if end < remaining {
-                    leaps.levels[level].apply(n, separate, z, to);
+                    leaps.levels[level].apply((n, separate), z, to, &pulls);
                     let clear = (0..self.count).all(|k| {
                         then[k] = self.sight(self.gap_shape(k), &lines[k], end, to);
                         let ends = [now[k].distance, then[k].distance];
                         let clearance = self.masses[k].clearance;
                         let size = clearance + now[k].size(&then[k], length);
                         stays_clear_by(ends, clearance, size, fourths[k], length)
+                            && (self.friction[k] == 0.0
+                                || self.slides_on(k, &state.places[k], ends, [thirds[k], length]))
                     });
                     if clear {
                         break true;
@@ -427,13 +453,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             return (*state, Clock::ZERO);
         }
         let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
+        let Regime { pulls, .. } = self.regime(&state.places);
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
         let mut left = steps;
         while left > 0 {
             let level = (leaps.levels.len() - 1).min(left.ilog2() as usize);
-            leaps.levels[level].apply(n, separate, z, to);
+            leaps.levels[level].apply((n, separate), z, to, &pulls);
             std::mem::swap(&mut z, &mut to);
             left -= 1 << level;
         }
@@ -462,15 +489,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let (place, shape) = (&from.places[k], self.gap_shape(k));
         let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
         let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
-        let fallen = time.times(self.falling(k, place));
+        let fallen = time * self.falling(k, place);
         let curved = sided(u - (u0 + v0 * time) + (fallen * time).half());
         let distance = place.distance + place.rate * time + curved;
         Place { distance, rate: place.rate + sided(v - v0 + fallen), shaken: None, ..*place }
     }
 
     /// G + s R of a mass in flight that nothing ties to its point; of others it is in their coordinates.
-    pub(super) fn falling(&self, k: usize, place: &Place<R>) -> R {
-        let alone = self.tied[k].is_none();
-        if alone { self.gravity[k] + self.rubbing(k, place) } else { R::ZERO }
+    pub(super) fn falling(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        if self.tied[k].is_none() { self.pull(k, place) } else { DoubleDouble::ZERO }
     }
 }

@@ -94,7 +94,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
                 let mut moving = [R::ZERO; ORDER + 1];
                 moving[0] = v.value + place.gap(mass).w;
                 for m in 0..ORDER {
-                    let gravity = if m == 0 { system.falling(k, place) } else { R::ZERO };
+                    let gravity = if m == 0 { system.falling(k, place).value } else { R::ZERO };
                     moving[m + 1] = -((drive.base[m] + gravity) * R::reciprocal(m + 1) * self.unit);
                 }
                 moving

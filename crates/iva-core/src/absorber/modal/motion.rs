@@ -259,7 +259,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
                     u = phi.mul_add(moved, u);
                     v = phi.mul_add(modes.velocities[j].value - rate, v);
                 }
-                let gained = system.falling(k, place) * h;
+                let gained = system.falling(k, place).value * h;
                 (u, v) = (u + gained * h * 0.5, v + gained);
                 let distance =
                     place.side.mul_add(u, place.rate.value.mul_add(h, place.distance.value));

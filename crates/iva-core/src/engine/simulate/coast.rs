@@ -32,6 +32,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             show_coast(system, &begin, (count, end), &mut self.observer);
             self.progress = self.progress.later(end.1);
             self.tally.state = end.0;
+            self.rub(&begin.state, R::ZERO);
         }
     }
 }
