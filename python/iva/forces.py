@@ -235,6 +235,34 @@ class Recorded:
         record._hold(points, 1.0 if scale is None else scale)
         return record
 
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write it as text that a study reads: ``record = "shaker.csv"`` in a section of a force.
+
+        The head states the units; values are written times `scale`, with all their digits.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, such as ``"shaker.csv"``. One that exists is replaced.
+
+        Raises
+        ------
+        TypeError
+            If `path` is not the name of a file.
+        ValueError
+            If it is a folder, a pipe or a device, or in a folder that does not exist.
+        iva.IvaError
+            If it cannot be written.
+
+        Examples
+        --------
+        >>> push = Recorded([0, 1, 2], [0, 0.3, 0])
+        >>> push.write("shaker.csv")  # doctest: +SKIP
+        """
+        from iva.measured.record_texts import write_record  # with NumPy, as above
+
+        write_record(path, self)
+
     @classmethod
     def _made(cls, record: _iva.Record, scale: float) -> Recorded:
         made = cls.__new__(cls)
@@ -267,6 +295,11 @@ class Recorded:
     def kind(self) -> str:
         """What the values are."""
         return self._record.kind
+
+    @property
+    def is_metric(self) -> bool:
+        """Whether the file stated that the values are accelerations in SI units."""
+        return self._record.is_metric
 
     def __eq__(self, other: object) -> bool:
         """Compare all points, kind and factor."""

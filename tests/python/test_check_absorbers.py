@@ -90,3 +90,39 @@ def test_units_belong_to_their_absorber(tmp_path: Path) -> None:
     second = "Absorber 1: free mass, mass ratio 0.2, restitution 0.7, clearance 0.4 … 0.5"
     assert first in told
     assert second in told
+
+
+@pytest.mark.parametrize(
+    ("structure", "start", "told"),
+    [
+        ("start_velocities = [0.1, 0.2]", "", "start_velocities carry the absorber along: it sta"),
+        ("", "velocity = 0.1", "start.velocity carries the absorber along: it starts with that"),
+        ("", "displacement = 0.1", None),
+        ("start_velocities = [0, 0]", "", None),
+        ("start_velocities = [0.1, 0.2]", "gap_velocity = 0.5", None),
+    ],
+)
+def test_velocities_that_carry_absorbers_along_are_told(
+    tmp_path: Path, structure: str, start: str, told: str | None
+) -> None:
+    said = checked(
+        tmp_path,
+        f"""version = 1
+[structure]
+points = ["first", "top"]
+mass = [[2000.0, 0.0], [0.0, 1000.0]]
+stiffness = [[300e3, -100e3], [-100e3, 100e3]]
+absorber_at = "top"
+{structure}
+[absorber]
+kind = "siva"
+mass = 100
+gap_mm = 30
+restitution = 0.5
+[start]
+{start}
+[run]
+duration = 3
+""",
+    )
+    assert told in said if told else " along: " not in said

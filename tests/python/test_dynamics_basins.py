@@ -200,6 +200,39 @@ def test_an_orbit_that_nothing_stays_with_is_told() -> None:
     assert found.left_out == ("attractor 0: no neighbourhood was found that runs stay in",)
 
 
+def test_ctrl_c_ends_basins_with_the_cells_that_are_finished(
+    orbits: list[dynamics.Orbit],
+) -> None:
+    """A million cells, which would take minutes; those of a row are the same in a grid of it."""
+    told: list[tuple[int, int]] = []
+
+    def interrupt(done: int, total: int) -> None:
+        told.append((done, total))
+        raise KeyboardInterrupt
+
+    wide = np.linspace(-4.0, 4.0, 1000)
+    over: dict[str, Any] = {"displacement": wide, "velocity": wide}
+    cut = dynamics.basins(**coexisting(), over=over, attractors=orbits, progress=interrupt)
+    [(done, total)] = told
+    assert total == cut.labels.size == 10**6
+    cancelled = cut.labels == -3
+    assert np.array_equal(cancelled, cut.likely == -3)
+    whole = np.flatnonzero(~cancelled.any(axis=1))
+    assert 1000 <= done <= 1000 * len(whole) < total
+    alone: dict[str, Any] = {"displacement": wide, "velocity": [wide[whole[0]]]}
+    row = dynamics.basins(**coexisting(), over=alone, attractors=orbits)
+    assert np.array_equal(row.labels[0], cut.labels[whole[0]])
+    assert np.array_equal(row.cycles[0], cut.cycles[whole[0]])
+    assert cut.entropy is None
+    assert cut.boundary_entropy is None
+    assert cut.fractions[-3] == cancelled.mean() > 0.0
+    finished = total - np.count_nonzero(cancelled)
+    assert f"cancelled: {finished} of 1000000 cells are finished" in repr(cut)
+    legend = iva.plots.basins(cut).get_legend()
+    assert legend is not None
+    assert "cancelled" in [text.get_text() for text in legend.get_texts()]
+
+
 def test_bad_input_is_one_sentence() -> None:
     def failing(match: str, **given: object) -> None:
         over = {"displacement": [0.0, 1.0], "velocity": [0.0]}

@@ -10,8 +10,7 @@ import pytest
 
 import iva
 from iva import _iva
-from iva.measured.driving import FORCES
-from iva.measured.sensor_units import GRAVITIES, LENGTHS, TIMES
+from iva.measured.sensor_units import FORCES, GRAVITIES, LENGTHS, TIMES
 from recordings import TIMES as INSTANTS
 from recordings import VALUES, table, written
 

@@ -8,6 +8,7 @@
 //! down, and `interrupt` listens to Ctrl-C. [`error`] words what went wrong, with the options that help.
 
 pub mod args;
+mod carried;
 mod cell;
 mod changed_field;
 mod check;

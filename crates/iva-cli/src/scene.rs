@@ -11,6 +11,7 @@ use iva_sweep::structure::Structure;
 use iva_sweep::study::Study;
 use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
 
+use crate::carried::carried_along;
 use crate::cell::short;
 use crate::layout::wrap;
 use crate::report::counted;
@@ -59,7 +60,8 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
         let _ = writeln!(out, "{}", wrap(&line));
     }
     let _ = writeln!(out, "{}", wrap(&start(&designs, Shown::of(study, units))));
-    if let Some(line) = gravity(&designs, units) {
+    let carried = study.spec(last).map(|spec| carried_along(&spec));
+    for line in gravity(&designs, units).into_iter().chain(carried.unwrap_or_default()) {
         let _ = writeln!(out, "{}", wrap(&line));
     }
     if designs.iter().all(|design| design.scene.at_rest()) {

@@ -1,7 +1,7 @@
 //! What a driven scene settles on, for Python, in the user's units: diagrams, exponents, attractors and basins.
 
 use iva_sweep::dynamics::attractors::Inventory;
-use iva_sweep::dynamics::basins::{Asked, Basins, LeftOut, Plane};
+use iva_sweep::dynamics::basins::{Asked, Basins, CUT, LeftOut, Plane};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window};
 use iva_sweep::dynamics::lyapunov::Exponents;
 use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within};
@@ -147,16 +147,25 @@ pub fn basins<'py>(
     values: (Vec<f64>, Vec<f64>),
     orbits: Option<Vec<Numbers>>,
     limits: (u32, u64, usize),
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let spec = arguments::spec(spec)?;
     let plane = Plane { axes: [axis(&over.0)?, axis(&over.1)?], values: values.into() };
     let (most_periods, most_cycles, side) = limits;
     let asked = Asked { orbits, most_periods, most_cycles, side };
+    let total = plane.values.iter().map(|values| values.len() as u64).product();
+    let progress = progress.map(|callback| worker::Progress { callback, total });
     let work = move |shared: &worker::Shared| {
         engine::basins::basins(&spec, &plane, &asked, shared.tracker())
     };
+    let (found, cut) = worker::run_partly(py, progress.as_ref(), work)?;
     let Basins { attractors, periods, labels, likely, cycles, entropy, left_out } =
-        worker::run(py, None, work)?;
+        found.map_err(failed)?;
+    if let Some(raised) = cut.filter(|_| labels.iter().all(|label| *label == CUT)) {
+        return Err(raised);
+    }
+    // Of a part of the cells it would say nothing.
+    let entropy = entropy.filter(|_| !labels.contains(&CUT));
     let dict = PyDict::new(py);
     let orbits = attractors.iter().map(|it| shown(py, it)).collect::<PyResult<Vec<_>>>()?;
     dict.set_item("orbits", orbits)?;

@@ -54,7 +54,7 @@ mod _iva {
     #[pymodule_export]
     use super::optimised::{in_range, optimised_scene, sampled};
     #[pymodule_export]
-    use super::record::{PyRecord, read_record};
+    use super::record::{PyRecord, kind_of_file, read_record};
     #[pymodule_export]
     use super::study::PyStudy;
     #[pymodule_export]

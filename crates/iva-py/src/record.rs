@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use iva_store::visible;
-use iva_study::record_file::{RecordUnit, read_record as read};
+use iva_study::record_file::{self, RecordUnit, read_record as read};
 use iva_sweep::Invalid;
 use iva_sweep::forces::{History, RecordKind, Recorded, Selection};
 use pyo3::exceptions::PyValueError;
@@ -52,6 +52,12 @@ impl PyRecord {
         self.0.kind.name()
     }
 
+    /// Whether times are in s and values in m/s².
+    #[getter]
+    fn is_metric(&self) -> bool {
+        self.0.is_metric
+    }
+
     #[allow(clippy::type_complexity)] // what pickle asks for
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
@@ -89,4 +95,10 @@ pub fn read_record(py: Python<'_>, path: PathBuf, kind: Option<&str>) -> PyResul
     let kind = kind.unwrap_or(known);
     let (history, selection) = (Arc::new(history), Selection::default());
     Ok(PyRecord(Recorded { history, kind, file: None, selection, is_metric }))
+}
+
+/// What a file is by its first lines, in one word; `None` for any text that is none of the kinds that are known.
+#[pyfunction]
+pub fn kind_of_file(contents: &[u8]) -> Option<&'static str> {
+    record_file::kind_of_file(contents).map(record_file::FileKind::name)
 }

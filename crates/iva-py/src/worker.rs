@@ -24,6 +24,8 @@ use crate::errors::{failed, internal};
 const WAKE: Duration = Duration::from_millis(50);
 /// Longest wait for cancelled work; after it the work is left to end by itself.
 const PATIENCE: Duration = Duration::from_millis(900);
+/// The same for work that returns what it has: on a busy machine that may take longer, and is not to be lost.
+const PATIENCE_TO_KEEP: Duration = Duration::from_secs(20);
 
 /// The state shared by the work and the calling thread.
 #[derive(Default)]
@@ -78,9 +80,10 @@ pub fn run_any<T: Send + 'static, E: Send + 'static>(
     progress: Option<&Progress<'_, '_>>,
     work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
 ) -> PyResult<Result<T, E>> {
-    match run_partly(py, progress, work)? {
+    match attended(py, progress, PATIENCE, work)? {
         (_, Some(raised)) => Err(raised),
-        (result, None) => Ok(result),
+        (Some(result), None) => Ok(result),
+        (None, None) => Err(internal("work without a result")),
     }
 }
 
@@ -91,6 +94,7 @@ type Attended<T, E> = (Option<Result<T, E>>, Option<PyErr>);
 fn attended<T: Send + 'static, E: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Progress<'_, '_>>,
+    patience: Duration,
     work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
 ) -> PyResult<Attended<T, E>> {
     let shared = Arc::new(Shared::default());
@@ -121,7 +125,7 @@ fn attended<T: Send + 'static, E: Send + 'static>(
         });
         if let Err(raised) = attended {
             shared.cancel.store(true, Ordering::Relaxed);
-            let last = if ended { message } else { py.detach(move || wait(receiver, PATIENCE).1) };
+            let last = if ended { message } else { py.detach(move || wait(receiver, patience).1) };
             let partial = last.ok().and_then(Result::ok);
             let kept = partial.filter(|_| raised.is_instance_of::<PyKeyboardInterrupt>(py));
             return Ok((kept, Some(raised)));
@@ -145,7 +149,7 @@ pub fn run_partly<T: Send + 'static, E: Send + 'static>(
     progress: Option<&Progress<'_, '_>>,
     work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
 ) -> PyResult<(Result<T, E>, Option<PyErr>)> {
-    match attended(py, progress, work)? {
+    match attended(py, progress, PATIENCE_TO_KEEP, work)? {
         (Some(result), raised) => Ok((result, raised)),
         (None, Some(raised)) => Err(raised),
         (None, None) => Err(internal("work without a result")),

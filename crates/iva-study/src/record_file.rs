@@ -2,12 +2,15 @@
 //!
 //! `columns` reads lines of a time and a value, or `dt = …` and values; `at2` reads PEER's format of
 //! accelerograms, which is recognised by the extension `.at2` or by the header; `head` finds the names and units
-//! above columns; `selected` reads what a study says of a file, of which `table` knows the columns. Every error names the file, and line and column unless something is missing.
+//! above columns; `selected` reads what a study says of a file, of which `table` knows the columns; `recognised` and `series`
+//! know what is none of these. Every error names the file, and line and column unless something is missing.
 
 mod at2;
 mod columns;
 mod head;
+mod recognised;
 mod selected;
+mod series;
 mod table;
 
 use std::io::Read;
@@ -19,6 +22,8 @@ use iva_sweep::forces::Selection;
 
 use crate::error::Error;
 use crate::source::{Source, shortened};
+
+pub use recognised::{FileKind, kind_of_file};
 
 /// Largest size of a file in bytes; a minute at 1 kHz takes about 1 MB.
 const MOST_BYTES: u64 = 1 << 30;
@@ -110,7 +115,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
 /// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
     let text = text_of(path, bytes)?;
-    parse(path, text).map_err(|fault| fault.located(path, text))
+    readable(path, text).and_then(|()| parse(path, text)).map_err(|fault| fault.located(path, text))
 }
 
 /// Reads what is selected of the bytes of a recorded history, and converts it from the units that its head or the
@@ -124,18 +129,28 @@ pub fn parse_record_in_si(
     selection: &Selection,
 ) -> Result<RecordFile, Unread> {
     let text = text_of(path, bytes)?;
-    let read = match selected::is_needed(path, text, selection) {
-        true => selected::read(path, text, selection),
-        false => parse(path, text).and_then(|record| head::in_si(text, record)),
-    };
+    let read =
+        readable(path, text).and_then(|()| match selected::is_needed(path, text, selection) {
+            true => selected::read(path, text, selection),
+            false => parse(path, text).and_then(|record| head::in_si(text, record)),
+        });
     read.map_err(|fault| match fault.key {
         Some(key) => Unread::Key { key, message: fault.message },
         None => fault.located(path, text).into(),
     })
 }
 
-/// The text that bytes hold.
+/// Refuses a text of another kind than these that are read.
+fn readable(path: &Path, text: &str) -> Result<(), Fault> {
+    if at2::is_at2(path, text) || columns::is_stepped(text) {
+        return Ok(());
+    }
+    series::refuse(text)
+}
+
+/// The text that bytes hold, unless they are those of another kind of file.
 fn text_of<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b str, Error> {
+    recognised::refuse(bytes).map_err(|fault| fault.located(path, ""))?;
     if bytes.contains(&0) {
         let message = "a binary file or text in UTF-16; give a record as text in UTF-8";
         return Err(Source::new(path, "").missing(message));

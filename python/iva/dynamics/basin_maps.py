@@ -16,6 +16,7 @@ from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
 from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 Labels = NDArray[np.int32]
 #: Label of a cell that is not decided, and of one that ends without impacts.
 UNDECIDED, NO_IMPACTS = -1, -2
+#: Label of a cell that was not finished before Ctrl-C.
+CANCELLED = -3
 #: Most cells of a grid.
 MOST_CELLS = 10**7
 #: Most cells along the side of a box.
@@ -62,14 +65,15 @@ class Basins:
         them, each in a sentence; cells that end in it are undecided.
     labels : ndarray of int, shape (ny, nx)
         The label of each cell: index of an attractor, −2 for a motion without impacts, −1 where
-        `most_cycles` did not suffice or rounding errors may have decided.
+        `most_cycles` did not suffice or rounding errors may have decided, −3 where Ctrl-C came
+        before the cell was finished.
     likely : ndarray of int, shape (ny, nx)
         The same, where also those cells have a label that rounding errors may have decided.
     cycles : ndarray of int, shape (ny, nx)
         Number of periods of the force until each cell was decided.
     entropy : float or None
         Basin entropy of the likely labels, in boxes of `side` × `side` cells: 0 where each box has
-        one label, at most ln of the number of labels. ``None`` without labels.
+        one label, at most ln of the number of labels. ``None`` without labels, and after Ctrl-C.
     boundary_entropy : float or None
         The same of the boxes with more than one label; a value above ln 2, which takes three labels
         or more, shows that the boundary is fractal. ``None`` where there are none.
@@ -106,7 +110,7 @@ class Basins:
 
     @property
     def fractions(self) -> dict[int, float]:
-        """Likely label → its share of all cells; −1 for the cells that have none."""
+        """Likely label → its share of all cells; −1 for the cells that have none, −3 cancelled."""
         labels, counts = np.unique(self.likely, return_counts=True)
         pairs = zip(labels.tolist(), counts.tolist(), strict=True)
         return {label: count / self.likely.size for label, count in pairs}
@@ -132,6 +136,9 @@ class Basins:
         for label, share in self.fractions.items():
             lines.append(f"  {share:.4f} {self.name_of(label)}")
         lines.append(f"  {self.undecided:.4f} of the cells not sure")
+        if cancelled := int(np.count_nonzero(self.labels == CANCELLED)):
+            done = self.labels.size - cancelled
+            lines.append(f"  cancelled: {done} of {self.labels.size} cells are finished")
         lines += [f"  left out: {reason}" for reason in self.left_out]
         if self.entropy is not None:
             of = self.boundary_entropy
@@ -148,7 +155,7 @@ class Basins:
         Parameters
         ----------
         label : int
-            Index of an attractor, −1 or −2.
+            Index of an attractor, −1, −2 or −3.
 
         Raises
         ------
@@ -159,6 +166,8 @@ class Basins:
             return "undecided"
         if label == NO_IMPACTS:
             return "no impacts"
+        if label == CANCELLED:
+            return "cancelled"
         orbit = self.attractors[label]
         return f"{len(orbit.impacts)}:{orbit.periods}, {label}"
 
@@ -175,6 +184,7 @@ def basins(
     most_cycles: int = 150,
     most_periods: int = 16,
     side: int = 4,
+    progress: bool | Progress = False,
 ) -> Basins:
     """Find which periodic attractor each start of a grid ends in.
 
@@ -202,6 +212,8 @@ def basins(
         Most periods after which an orbit that is found repeats, up to 1000.
     side : int, default 4
         Side of the boxes of the entropies, in cells.
+    progress : bool or callable, default False
+        As in :func:`iva.sweep`; a point is a cell.
 
     Returns
     -------
@@ -215,7 +227,8 @@ def basins(
         If a value is missing or out of range, a start lies outside the gap, the force is not one
         harmonic force, or the orbits are of another scene or not stable.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before a cell is finished. Later it ends the basins with what they have, within
+        about a second, and the cells that are not finished have the label −3.
 
     Notes
     -----
@@ -248,7 +261,8 @@ def basins(
         whole("side", side, 1, MOST_SIDE),
     )
     states = None if given is None else [orbit.state for orbit in given]
-    found = _iva.basins(made, names, values, states, limits)
+    with reporting(progress) as report:
+        found = _iva.basins(made, names, values, states, limits, report)
     parts = (absorber, primary, single(force))
     orbits = given or []
     for described, periods in zip(found["orbits"], found["periods"], strict=True):

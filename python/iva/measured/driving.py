@@ -13,18 +13,15 @@ from iva import _iva
 from iva.measured.channels import Channel, found, measured, timed
 from iva.measured.clocks import rate
 from iva.measured.files import channels_of
-from iva.measured.sensor_units import STANDARD_GRAVITY, Unit, unit_of
+from iva.measured.sensor_units import FORCES, OF_FORCES, Unit, unit_called
 from iva.measured.stated import scale_of
 from iva.parameters import shown
 
 #: What the values of each kind are, for their units.
 KINDS = {"force": "acceleration", "force_newtons": "force", "base_acceleration": "acceleration"}
 
-#: Newtons in a unit of force; a pound is 0.45359237 kg (agreement of 1959) under standard gravity.
-FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 0.45359237 * STANDARD_GRAVITY}
-
 #: The end of the name of a force, since N behind another name is north.
-FORCE_IN = re.compile(rf".*(?:force|kraft|load).*_(?P<unit>{'|'.join(FORCES)})", re.IGNORECASE)
+FORCE_IN = re.compile(rf".*(?:{'|'.join(OF_FORCES)}).*_(?P<unit>{'|'.join(FORCES)})", re.IGNORECASE)
 
 #: Units for messages, in a spelling that is common.
 COMMON = 'm/s^2, mm/s^2, g or Gal of acceleration, N or kN of force, or "1" for those of the scene'
@@ -153,11 +150,6 @@ def stated_by(channel: Channel) -> tuple[Unit | None, str]:
     suffix = FORCE_IN.fullmatch(channel.name)
     text = channel.stated or (suffix["unit"] if suffix else "")
     return channel.unit or unit_called(text), text
-
-
-def unit_called(text: str) -> Unit | None:
-    """Return the unit that a text spells, forces among them, if it is known."""
-    return Unit(text, "force", FORCES[text]) if text in FORCES else unit_of(text)
 
 
 def is_of_force(unit: Unit | None) -> bool:

@@ -11,14 +11,14 @@ from iva.faults import fault
 from iva.forces import file_name
 from iva.measured.accelerograms import channels_of_accelerogram, is_accelerogram
 from iva.measured.channels import Channel
-from iva.measured.labview_text import channels_of_labview_text, is_labview_text
+from iva.measured.labview_text import channels_of_labview_text
 from iva.measured.mat_files import channels_of_mat
 from iva.measured.number_series import series_in
 from iva.measured.plain_text import channels_of_points, channels_of_stepped, is_plain, is_stepped
-from iva.measured.strong_motion import channels_of_strong_motion, is_strong_motion
+from iva.measured.strong_motion import channels_of_strong_motion
 from iva.measured.tdms_files import channels_of_tdms
 from iva.measured.text_files import channels_of_text, lines_of
-from iva.measured.universal_files import channels_of_universal, is_universal
+from iva.measured.universal_files import channels_of_universal
 from iva.measured.wave_files import channels_of_wave
 
 #: Largest size of a file in bytes; an hour at 10 kHz takes about as much as text.
@@ -34,12 +34,24 @@ READERS: dict[str, Callable[[str, bytes], list[Channel]]] = {
     ".wav": channels_of_wave,
 }
 
-#: The same by what such files begin with, whatever their names are.
-MARKS: dict[bytes, Callable[[str, bytes], list[Channel]]] = {
-    b"MATLAB 5.0 MAT-file": channels_of_mat,
-    b"TDSm": channels_of_tdms,
-    b"RIFF": channels_of_wave,
+#: The same by what the content says that they are, whatever their names are.
+BY_CONTENT: dict[str | None, Callable[[str, bytes], list[Channel]]] = {
+    "mat": channels_of_mat,
+    "mat in hdf5": channels_of_mat,
+    "tdms": channels_of_tdms,
+    "wave": channels_of_wave,
 }
+
+#: What no reader takes, by its content, and what to do.
+UNREAD: dict[str | None, str] = {
+    "hdf5": "an HDF5 file; save it as text, or in MATLAB with '-v7'",
+    "zip": "an Excel workbook, NPZ or other ZIP archive; save it as text (CSV)",
+    "old workbook": "an Excel workbook; save it as text (CSV)",
+    "npy": "an array of NumPy; give what numpy.load returns to iva.Recorded or iva.Measured",
+}
+
+#: So many lines tell what a text is.
+TELLING = 250
 
 #: Readers of files that another library opens.
 OPENERS: dict[str, Callable[[str], list[Channel]]] = {
@@ -82,11 +94,13 @@ def channels_of(path: object, *, of_force: bool = False) -> tuple[str, list[Chan
     if ending in OPENERS:
         return name, OPENERS[ending](name)
     contents = contents_of(name)
-    marked = (MARKS[mark] for mark in MARKS if contents.startswith(mark))
-    if reader := READERS.get(ending) or next(marked, None):
+    kind = _iva.kind_of_file(contents)
+    if reader := READERS.get(ending) or BY_CONTENT.get(kind):
         return name, reader(_iva.visible(name), contents)
-    if is_universal(contents):
+    if kind == "universal":
         return name, channels_of_universal(name)
+    if words := UNREAD.get(kind):
+        raise ValueError(f"{_iva.visible(name)}: {words}")
     lines = lines_of(_iva.visible(name), contents)
     channels = channels_of_points(name, lines) if of_force and is_plain(contents) else None
     return name, channels or channels_in_text(name, lines)
@@ -103,9 +117,10 @@ def channels_in_text(name: str, lines: Sequence[str]) -> list[Channel]:
     if is_accelerogram(lines):
         return channels_of_accelerogram(name)
     shown = _iva.visible(name)
-    if is_strong_motion(lines):
+    kind = _iva.kind_of_file("\n".join(lines[:TELLING]).encode())
+    if kind in ("strong motion", "raw strong motion"):
         return channels_of_strong_motion(shown, lines)
-    if is_labview_text(lines):
+    if kind == "labview text":
         return channels_of_labview_text(shown, lines)
     if is_stepped(lines):
         return channels_of_stepped(name, lines)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from iva.measured.channels import CLOCKS
 from iva.measured.dialects import COMMENTS, Dialect
-from iva.measured.sensor_units import bare, parted, unit_of
+from iva.measured.sensor_units import OF_FORCES, OTHERS, bare, parted, unit_called
 
 #: A name between blanks, with what is in brackets behind it: "a1 [g]", "a / (m/s²)".
 WORD = re.compile(r"[^\s\[({]+(?:\s+/\s+\S+|\s*(?:\[[^\]]*\]|\([^)]*\)|\{[^}]*\}))?")
@@ -95,8 +95,8 @@ def names_and_units(
     if place >= len(rows):
         return empty, empty
     cells = rows[place]
-    if is_of_units(cells):
-        names = rows[place + 1] if place + 1 < len(rows) else empty
+    names = rows[place + 1] if place + 1 < len(rows) else empty
+    if is_of_units(cells, names):
         return names, [bare(cell).strip("-") for cell in cells]
     return cells, [parted(cell)[1] for cell in cells]
 
@@ -104,14 +104,26 @@ def names_and_units(
 def is_telling(cell: str) -> bool:
     """Return whether a cell is a known unit, states one, or is a name of the time."""
     name, unit = parted(cell)
-    return bool(unit_of(unit or bare(cell))) or name.casefold() in CLOCKS
+    return bool(unit_called(unit or bare(cell))) or name.casefold() in CLOCKS
 
 
-def is_of_units(cells: Sequence[str]) -> bool:
-    """Return whether cells hold units and nothing else, one of them known at least."""
-    units = [unit_of(bare(cell)) for cell in cells]
-    others = [cell for cell, unit in zip(cells, units, strict=True) if unit is None]
+def is_of_units(cells: Sequence[str], names: Sequence[str]) -> bool:
+    """Return whether cells below names are units and nothing else, one known at least.
+
+    N may be north as well, unless the name above is that of a force, or another unit is known.
+
+    Examples
+    --------
+    >>> is_of_units(["s", "N", "°C"], ["t", "F", "T"]), is_of_units(["N", "V"], ["", ""])
+    (True, False)
+    """
+    known = [unit_called(bare(cell)) is not None for cell in cells]
+    sure = any(
+        is_known and (cell != "N" or any(word in name.casefold() for word in OF_FORCES))
+        for cell, name, is_known in zip(cells, names, known, strict=True)
+    )
     # Of one in brackets it is clear that it is a unit, whichever.
-    return len(others) < len(cells) and all(
-        cell in ("", "-") or bare(cell) != cell for cell in others
+    return sure and all(
+        is_known or cell in ("", "-") or cell in OTHERS or bare(cell) != cell
+        for cell, is_known in zip(cells, known, strict=True)
     )

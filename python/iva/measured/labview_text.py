@@ -21,8 +21,8 @@ from iva.measured.dialects import POINT, Dialect
 from iva.measured.fortran_blocks import decimal
 from iva.measured.sensor_units import parted, unit_of
 
-#: What the first line begins with, and what ends a head.
-MARK, END = "LabVIEW Measurement", "***End_of_Header***"
+#: What ends a head.
+END = "***End_of_Header***"
 
 #: Tags of the head of a file.
 SEPARATOR, DECIMAL = "Separator", "Decimal_Separator"
@@ -32,11 +32,6 @@ ABSCISSA, REMARKS = "X_Value", "Comment"
 
 #: What six digits round a number by, over the number.
 ROUNDED = 1e-5
-
-
-def is_labview_text(lines: Sequence[str]) -> bool:
-    """Return whether lines are those of an LVM file."""
-    return bool(lines) and lines[0].startswith(MARK)
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,6 +52,19 @@ TIMES = {
     "ns": 1e-9,
 }
 
+#: Newtons in a unit of force; a pound is 0.45359237 kg (agreement of 1959) under standard gravity.
+FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 0.45359237 * STANDARD_GRAVITY}
+
+#: Parts of the names of forces: N behind another name is north.
+OF_FORCES = ("force", "kraft", "load")
+
+#: What the columns of something else than forces and motions are in.
+OTHERS = {
+    *("°C", "degC", "K", "°F", "V", "mV", "uV", "µV", "A", "mA", "%", "Pa", "kPa", "MPa", "bar"),
+    *("mbar", "Nm", "N m", "N*m", "rad", "deg", "°", "Hz", "kHz", "rpm", "1/min", "um/m", "µm/m"),
+    *("W", "kg"),
+}
+
 # A length, then what it is over: /s, _s, _per_s, *s^-1 with nothing, 2, ^2 or /s for accelerations.
 OVER = re.compile(
     rf"(?P<length>{'|'.join(sorted(LENGTHS, key=len, reverse=True))})"
@@ -78,10 +91,10 @@ class Unit:
     ----------
     text : str
         As it was spelt.
-    quantity : {"acceleration", "velocity", "displacement", "time"}
+    quantity : {"acceleration", "velocity", "displacement", "time", "force"}
         What it measures.
     factor : float
-        What one of it is in m/s², m/s, m or s.
+        What one of it is in m/s², m/s, m, s or N.
     """
 
     text: str
@@ -123,6 +136,11 @@ def unit_of(text: str) -> Unit | None:
         return Unit(spelt, "acceleration", factor)
     quantity = "displacement" if plain == found["length"] else "velocity"
     return Unit(spelt, quantity, factor)
+
+
+def unit_called(text: str) -> Unit | None:
+    """Return the unit that a text spells, forces among them, if it is known."""
+    return Unit(text, "force", FORCES[text]) if text in FORCES else unit_of(text)
 
 
 def parted(header: str) -> tuple[str, str]:

@@ -39,8 +39,6 @@ REALS = re.compile(
 )
 #: A channel within a file of several: "Chan  1: 360 Deg", "Sta Chan   1: 90 deg".
 CHANNEL = re.compile(r"\bchan(?:nel)?\s+(?P<number>\d+):", re.IGNORECASE)
-#: The first line of a record that has not been processed: of volume 1.
-RAW = re.compile(r"\s*(?:uncorrected|raw) accel", re.IGNORECASE)
 
 #: Places of the step in ms among the real numbers of a COSMOS header, the better one first.
 STEPS = (61, 33)
@@ -50,17 +48,6 @@ VOLUME_2 = Format(8, 10)
 
 #: What a block holds.
 QUANTITIES = {"accel": "acceleration", "veloc": "velocity", "displ": "displacement"}
-
-#: The first block begins within so many lines.
-HEADER_LINES = 250
-
-
-def is_strong_motion(lines: Sequence[str]) -> bool:
-    """Return whether lines are those of a record of CSMIP or COSMOS, processed or not."""
-    head = lines[:HEADER_LINES]
-    if any(CSMIP.fullmatch(line) or COSMOS.fullmatch(line) for line in head):
-        return True
-    return any(RAW.match(line) for line in lines[:1])
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Collection
 from functools import partial
@@ -29,17 +28,6 @@ EMPTY = {"", "NONE"}
 
 #: Directions of a degree of freedom by their codes.
 AXES = {1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z"}
-
-
-#: The first two lines of a file: a mark that ends in column 6, and the number of a dataset there.
-BEGIN = re.compile(
-    rb" {4}-1 *\r?\n +(?:15|55|58|58b|82|151|164|2411|2412|2414|2420|2429)(?:[ \r\n])"
-)
-
-
-def is_universal(contents: bytes) -> bool:
-    """Return whether a file begins as a universal file does."""
-    return BEGIN.match(contents) is not None
 
 
 def channels_of_universal(path: str) -> list[Channel]:

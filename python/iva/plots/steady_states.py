@@ -11,7 +11,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from iva import _iva, dynamics
-from iva.dynamics.basin_maps import NO_IMPACTS, UNDECIDED, Basins
+from iva.dynamics.basin_maps import CANCELLED, NO_IMPACTS, UNDECIDED, Basins
 from iva.dynamics.diagrams import Diagram
 from iva.parameters import Primary, shown, spec
 from iva.plots.arguments import checked_run
@@ -186,7 +186,7 @@ def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Ax
         The basins.
     likely : bool, default True
         Colour also the cells that rounding errors may have decided; otherwise they are white, as
-        cells without label are.
+        cells without label are. Cells that were not finished before Ctrl-C are light grey.
     ax : matplotlib axes, optional
         Where to draw; axes of their own by default.
 
@@ -215,10 +215,11 @@ def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Ax
         raise TypeError(f"basins = {shown(basins)}: give those of iva.dynamics.basins")
     labels = basins.likely if likely else basins.labels
     count = len(basins.attractors)
-    present = [label for label in (*range(count), NO_IMPACTS, UNDECIDED) if (labels == label).any()]
+    others = (NO_IMPACTS, UNDECIDED, CANCELLED)
+    present = [label for label in (*range(count), *others) if (labels == label).any()]
     some = CURVES[:-1]
     shades = SHADES(np.linspace(0.0, 1.0, max(count, 1)))
-    special = {NO_IMPACTS: GREY, UNDECIDED: "white"}
+    special = {NO_IMPACTS: GREY, UNDECIDED: "white", CANCELLED: "0.9"}
     colours = [
         special[label] if label < 0 else some[label] if count <= len(some) else tuple(shades[label])
         for label in present

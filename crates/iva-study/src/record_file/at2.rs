@@ -14,10 +14,14 @@ const HEADER_LINES: usize = 4;
 /// True if the name ends in `.at2`, or one of the first four lines that is not a comment contains NPTS.
 pub(super) fn is_at2(path: &Path, text: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("at2"))
-        || text
-            .lines()
-            .take(HEADER_LINES)
-            .any(|line| !line.trim_start().starts_with('#') && has_word(line, "NPTS"))
+        || has_sampling(text)
+}
+
+/// True if one of the first four lines that is not a comment contains NPTS.
+pub(super) fn has_sampling(text: &str) -> bool {
+    text.lines()
+        .take(HEADER_LINES)
+        .any(|line| !line.trim_start().starts_with('#') && has_word(line, "NPTS"))
 }
 
 /// Reads the accelerations and converts them to m/s².

@@ -229,14 +229,17 @@ pub(super) fn is_clock_in(name: &str, stated: &str) -> bool {
 
 /// True if `text` is a unit at the end of a name, behind `of`.
 fn is_suffix(of: &str, text: &str) -> bool {
-    let of = of.to_lowercase();
     match unit(text) {
-        Some(Unit { measures: Measures::Force, .. }) => {
-            OF_FORCES.iter().any(|word| of.contains(word))
-        }
+        Some(Unit { measures: Measures::Force, .. }) => is_of_force(of),
         Some(_) => !NO_SUFFIX.contains(&text),
         None => false,
     }
+}
+
+/// True if a name is that of a force.
+pub(super) fn is_of_force(name: &str) -> bool {
+    let name = name.to_lowercase();
+    OF_FORCES.iter().any(|word| name.contains(word))
 }
 
 /// A text without the brackets around it.

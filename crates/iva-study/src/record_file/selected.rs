@@ -68,7 +68,8 @@ enum Numbers<'t> {
 /// True if a study says what is read of a text, or has to.
 pub(super) fn is_needed(path: &Path, text: &str, selection: &Selection) -> bool {
     let is_table = || !at2::is_at2(path, text) && !columns::is_stepped(text);
-    let has_others = || Table::new(text).is_ok_and(|table| table.count != 2);
+    let has_others =
+        || Table::new(text).is_ok_and(|table| table.count != 2 || table.has_units_below);
     *selection != Selection::default() || (is_table() && has_others())
 }
 
@@ -139,7 +140,7 @@ fn opened<'t>(path: &Path, text: &'t str) -> Result<(&'t str, Vec<Channel>, Numb
         };
         return Ok((line, vec![Channel::named(&name)], Numbers::Series(record)));
     }
-    let Table { rows, count, head, heads } = Table::new(text)?;
+    let Table { rows, count, head, heads, .. } = Table::new(text)?;
     let channels = heads.iter().map(|(name, stated)| Channel::new(name, stated)).collect();
     Ok((head, channels, Numbers::Rows(rows, count)))
 }

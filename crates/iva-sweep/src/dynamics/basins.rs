@@ -150,6 +150,10 @@ fn labelled<S: Startable>(
     let found_all = !cancel.load(Ordering::Relaxed);
     let rows = plane.values[1].len() as u64;
     let row = |row: u64| -> Result<Vec<Cell>, Invalid> {
+        if cancel.load(Ordering::Relaxed) {
+            let ending = Ending::Open(Outcome::Cancelled);
+            return Ok(vec![Cell { ending, cycles: 0, error: 0.0 }; columns]);
+        }
         let first = row as usize * columns;
         let trajectories = begun(family, like, &starts[first..first + columns])?;
         let cells =
