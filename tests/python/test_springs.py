@@ -82,7 +82,7 @@ def test_without_impacts_the_motion_is_that_of_a_linear_system(modal: bool, dash
     begin = np.array([0.025, -0.01, 0.2, 0.3])
     gap: Any = {"gap_displacement": begin[1], "gap_velocity": begin[3]}
     own: Any = {"displacement": begin[0], "velocity": begin[2]}
-    of_mode = {f"start_{key}": [begin[k]] for key, k in zip(STARTS, (0, 2), strict=True)}
+    of_mode: Any = {f"start_{key}": [begin[k]] for key, k in zip(STARTS, (0, 2), strict=True)}
     times = np.linspace(0.0, 6.0, 61)
     run = iva.simulate(
         siva(clearance=2.0, gap_damping=dashpot),
@@ -243,7 +243,8 @@ def test_lines_that_rise_in_lists_and_units_start_on_their_lower_stops() -> None
 
 def test_two_that_rise_are_one_of_both() -> None:
     """Alike masses stay together, so that they are one mass, with and without a spring."""
-    for more in ({"spring": None, "gap_damping": None}, {}):
+    bare: dict[str, Any] = {"spring": None, "gap_damping": None}
+    for more in (bare, {}):
         one = siva(**more, inclination_deg=40.0)
         halves: dict[str, Any] = {"mass": M / 2} | (more or {"spring": K / 2, "gap_damping": C / 2})
         half = siva(**halves, inclination_deg=40.0)
