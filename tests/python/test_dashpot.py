@@ -171,7 +171,7 @@ def test_with_others_and_on_modes() -> None:
         (lambda: siva(gap_damping_ratio=0.1), "gap_damping is given as well"),
         (
             lambda: iva.simulate(siva(friction=0.1), PRIMARY, start=START, periods=1),
-            "friction is that of one absorber without dashpot",
+            "friction is that of one absorber without spring or dashpot",
         ),
         (
             lambda: iva.simulate(

@@ -217,6 +217,10 @@ def test_a_list_of_one_absorber_is_that_absorber() -> None:
             "absorber.gap_damping_ratio = 0.02: the explorer takes no dashpot; leave it out",
         ),
         (
+            {"absorber": dataclasses.replace(SIVA, spring_ratio=0.9)},
+            "absorber.spring_ratio = 0.9: the explorer takes no spring in the gap; leave it out",
+        ),
+        (
             {"start": iva.Start(impulse_velocity=1)},
             "start.impulse_velocity = 1: the explorer takes no impulse; give a start velocity",
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -156,10 +157,15 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
         ValueError,
         ("absorber.1.clearance", "sweep.clearance"),
     ),
-    "a line that rises": (
-        lambda: simulate([SIVA, RISING]),
+    "a line that rises beside a pendulum": (
+        lambda: simulate([PIVA, RISING]),
         ValueError,
-        ("absorber.1.inclination = 0.5", "level"),
+        ("absorber.0.kind", "inclination", "free masses"),
+    ),
+    "gravity on a level line": (
+        lambda: simulate([SIVA, replace(NARROW, gravity=0.2)]),
+        ValueError,
+        ("absorber.1.gravity = 0.2", "inclination"),
     ),
     "an axis that is no number": (
         lambda: sweep({"absorber.first.clearance": [0.1]}),

@@ -10,11 +10,12 @@ from iva import _iva, scenes
 
 #: The words of a study that are not numbers.
 WORDS = ("kind", "angles", "impact_law")
+NO_SPRING = "the explorer takes no spring in the gap; leave it out"
 #: Fields that the page has no room for → the value that is as good as none, and what to do.
 REFUSED: dict[str, tuple[float | None, str]] = {
     "absorber.units": (1.0, "the explorer shows one absorber of one unit; leave it out"),
     "absorber.friction": (0.0, "the explorer takes none; leave it out"),
-    "absorber.spring": (0.0, "the explorer takes no spring in the gap; leave it out"),
+    "absorber.spring": (0.0, NO_SPRING),
     "absorber.gap_damping": (0.0, "the explorer takes no dashpot; leave it out"),
     "absorber.gap_damping_ratio": (0.0, "the explorer takes no dashpot; leave it out"),
     "start.impulse": (None, "the explorer takes no impulse; give a start velocity"),
@@ -60,7 +61,10 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     if (count := sum(path.endswith(".kind") for path in spec)) > 1:
         rule = "the explorer shows one absorber; give one of them"
         raise ValueError(f"absorber = a list of {count}: {rule}")
-    for path, (without, rule) in REFUSED.items():
+    # Of a pendulum it is a spring in the pivot, which the page has.
+    swings = spec.get("absorber.kind") == "piva"
+    of_mass = {} if swings else {"absorber.spring_ratio": (0.0, NO_SPRING)}
+    for path, (without, rule) in (REFUSED | of_mass).items():
         if (value := spec.get(path)) is not None and value != without:
             raise ValueError(f"{path} = {value:g}: {rule}")
     if "absorber.restitution_table" in spec:
