@@ -21,8 +21,9 @@ from iva.identification.priors import prior_of
 from iva.identification.pulses import Shape
 from iva.identification.records import Inputs, Recording
 from iva.identification.responses import Response, to_jump, to_release
+from iva.identification.steps import instants
 from iva.identification.walls import Absorber, contacts, residuals
-from planted_decays import Chain, Truth, Values, flights, law_of, record
+from planted_decays import FINE, Chain, Truth, Values, filtered, flights, law_of, record
 from planted_pendulums import Laser, laser, swung
 
 NONE: Values = np.zeros(0)
@@ -191,6 +192,41 @@ def test_kinks_are_found_where_they_are() -> None:
         nearest = int(np.argmin(np.abs(times - impact["time"] - truth.release)))
         assert times[nearest] == pytest.approx(impact["time"] + truth.release, abs=4e-3)
         assert jumps[nearest] == pytest.approx(impact["jump"], rel=0.2)
+
+
+class Level(Recording):
+    """A velocity of steps alone, in which nothing moves."""
+
+    def model(self, inputs: Inputs) -> Values:
+        """Return the sum of steps."""
+        since = self.time[:, None] - inputs.times
+        total: Values = np.sum(inputs.jumps * (since > 0), axis=1)
+        return total
+
+
+@pytest.mark.parametrize("recorder", ["none", "linear phase"])
+def test_steps_tell_their_instants_as_well_as_they_say(recorder: str) -> None:
+    # Places spread evenly between samples. Without a filter a step shows no more than between which
+    # samples it lies: the deviation of an even spread over one sample is 0.29.
+    rate, count, random = 2000.0, 60, np.random.default_rng(6)
+    places = 60.0 * np.arange(1, count + 1) + (np.arange(count) + 0.5) / count - 0.5
+    jumps = random.uniform(0.02, 0.1, count) * np.where(np.arange(count) % 2, 1.0, -1.0)
+    fine = np.arange(60 * (count + 2) * FINE) / FINE
+    steps = np.cumsum(np.bincount(np.searchsorted(fine, places), jumps, fine.size))
+    values = filtered(steps, Chain(filter=recorder))[::FINE]
+    values = values + 1e-3 * random.standard_normal(values.size)
+    time = np.arange(values.size) / rate
+    head = np.array([2 * np.pi * 5.0, 0.01, 0.0, -10.0, 0.0])
+    none = np.zeros(0)
+    inputs = Inputs(
+        head, np.rint(places) / rate, jumps, np.zeros(4), none, np.zeros((0, 4)), none, none
+    )
+    times, deviations = instants(Level(time, values, 1, rate), inputs, 1e-3)
+    off = (times * rate - places) / (deviations * rate)
+    assert np.max(np.abs(off)) < 3.0
+    assert np.std(off) < 1.2
+    if recorder == "none":
+        assert np.mean(deviations) * rate == pytest.approx(0.289, rel=0.15)
 
 
 def test_planted_pendulums_move_as_those_of_iva() -> None:

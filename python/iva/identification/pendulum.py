@@ -23,6 +23,7 @@ from iva.identification.shooting import UNFIT, Shot, Target, grown, shot
 from iva.identification.stages import FOUND, INTERRUPTED, LOOKED, SAMPLED, Tell
 from iva.identification.stated import Stated
 from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig
+from iva.identification.widths import over_widths
 
 #: Impacts in the first window.
 FIRST = 3
@@ -81,6 +82,9 @@ def identified(
     target = replace(target, noise=noise)
     scatter = float(np.clip(np.std(made.restitutions) / np.mean(made.restitutions), 0.02, 0.3))
     made = shot(target, made.numbers, made.restitutions, made.until, steps=4, scatter=scatter)
+    # First from derivatives at one point, which tell how wide to look.
+    first = gauss_of(target, made)
+    made = over_widths(target, made, first, float(np.mean(made.restitutions)), scatter)
     gauss = gauss_of(target, made)
     belief = known.priors.get("restitution", Between(0.0, 1.0))
     notes, reasons = [], []
