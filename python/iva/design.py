@@ -38,8 +38,9 @@ class Design:
     Of several absorbers, of which there are so many, they are those of one. Without absorber
     `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
     `gap_offset` ± `clearance`. `gravity_along` is that part of gravity which acts along the motion
-    of a free mass, 0 where that is level. `spring` and `gap_damping` are the constants k and c of
-    the spring and of the dashpot between a free mass and its structure, 0 without.
+    of a free mass, 0 where that is level. `friction` is the force m k g cos α on a mass that
+    rubs, `spring` and `gap_damping` are the constants k and c of the spring and of the dashpot
+    between a free mass and its structure; 0 without.
     """
 
     absorbers: int
@@ -50,6 +51,7 @@ class Design:
     clearance: float | None
     gap_offset: float
     gravity_along: float
+    friction: float
     spring: float
     gap_damping: float
     pendulum: Pendulum | None

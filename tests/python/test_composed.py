@@ -123,21 +123,13 @@ def simulated(name: str) -> iva.Run:
     )
 
 
-def composed(scene: dict[str, Any]) -> bool:
-    """Whether friction stands beside a spring, a dashpot, another mass or another mode."""
-    members = scene["members"]
-    rubs = any("friction" in each for each in members)
-    tied = any(key in each for each in members for key in ("c", "k_s"))
-    return rubs and (tied or len(members) > 1 or needs_modes(scene))
-
-
-#: Scenes with friction that are refused as yet.
-REFUSED = pytest.mark.xfail(raises=ValueError, strict=True, reason="friction is alone as yet")
-every_scene = pytest.mark.parametrize(
+every_scene = pytest.mark.parametrize("name", list(SCENES))
+scenes_that_rub = pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[REFUSED] if composed(entry["scene"]) else [])
+        name
         for name, entry in SCENES.items()
+        if any("friction" in each for each in entry["scene"]["members"])
     ],
 )
 
@@ -202,6 +194,30 @@ def test_energies_are_those_of_the_reference(name: str) -> None:
     most = max(abs(float(each)) for each in expected.values())
     off = {key: abs(row[key] - float(value)) / most for key, value in expected.items()}
     assert max(off.values()) < 1e-12, off
+
+
+@scenes_that_rub
+def test_stops_and_holds_are_those_of_the_reference(name: str) -> None:
+    """How often masses stop in their gaps, and for how long friction holds them."""
+    entry, run = SCENES[name], simulated(name)
+    end, held, condition = float(entry["scene"]["t_end"]), 0.0, 1.0
+    since: dict[int, float] = {}
+    for event in entry["events"]:
+        time, member = float(event["t"]), event["member"]
+        if event["kind"] == "hold":
+            since[member] = time
+        elif event["kind"] == "slip":
+            # One that no hold comes before was held from the begin on.
+            held += time - since.pop(member, 0.0)
+        if event["kind"] in ("hold", "slip"):
+            condition += float(event["cond_time"]) + time
+    held += sum(end - time for time in since.values())
+    stops = sum(event["kind"] in ("hold", "reverse") for event in entry["events"])
+    row = run.summary.row(0, named=True)
+    assert abs(row["time_held"] - held) < MOST * UNIT * condition
+    # Of a chatter whose rest is summed not all turns are counted, nor are they in the reference.
+    if not any(event["kind"] == "stick" for event in entry["events"]):
+        assert row["stops"] == stops
 
 
 def test_every_term_is_in_some_scene() -> None:

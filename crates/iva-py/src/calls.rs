@@ -126,6 +126,9 @@ pub fn design<'py>(
     let along = scene.gravity_along(number).map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
     let tie = scene.tie_of(number);
+    let friction = scene.friction_of(number) * stiffness;
+    numbers
+        .set_item("friction", friction * scale.mass * absorber.map_or(0.0, |it| it.mass_ratio))?;
     numbers.set_item("spring", tie.spring * scale.mass * stiffness)?;
     numbers.set_item("gap_damping", tie.damping * scale.mass * scale.natural_frequency)?;
     let parameters = scene.pendulum_of(number);

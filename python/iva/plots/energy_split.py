@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 
 from iva.design import Design, design_of
 from iva.forces import Impulse, listed
-from iva.parameters import Siva
 from iva.plots.arguments import Numbers, checked_run, values_of
 from iva.plots.axis_units import name_axis
 from iva.plots.labels import labelled
@@ -40,8 +39,6 @@ COLOURS = {
     "dashpot": BLUE,
 }
 
-#: Of runs in SI units that give no other, in m/s².
-STANDARD_GRAVITY = 9.80665
 #: Samples in the shortest time scale of the motion: the losses are integrals over them.
 SAMPLES = 200
 MOST_SAMPLES = 10_000
@@ -186,9 +183,12 @@ def split_of(run: Run) -> Split:
     if len(designs) > 1 and struck_at_begin(run):
         # Instants of a list begin after the impacts at the begin.
         layers["impacts"] += row["energy_impacts"] - layers["impacts"][-1]
-    way = np.abs(np.diff(motions[0]["gap_displacement"]))
-    rubbed = friction_force(run, design) * np.where(still, 0.0, np.nan_to_num(way))
-    layers["friction"] = cumulative(rubbed)
+    each = zip(designs, motions, strict=True)
+    rubbed = sum(
+        (one.friction * np.abs(np.diff(motion["gap_displacement"])) for one, motion in each),
+        start=np.zeros_like(steps),
+    )
+    layers["friction"] = cumulative(np.where(still, 0.0, np.nan_to_num(rubbed)))
     whole = float(Split(time, layers).total.max())
     if layers["impacts"].min() < -1e-9 * whole:
         raise ValueError("impacts add energy in this run: its energy cannot be split into losses")
@@ -215,18 +215,6 @@ def split_of(run: Run) -> Split:
     if layers["friction"][-1] > 0.0:
         names.append("friction")
     return Split(time, {name: layers[name] for name in names})
-
-
-def friction_force(run: Run, design: Design) -> float:
-    """Return the friction m k g cos α of a free mass that rubs; 0 for any other."""
-    absorber = run.absorber
-    if not isinstance(absorber, Siva) or not absorber.friction:
-        return 0.0
-    assert design.mass_ratio is not None
-    angle = absorber.inclination or np.deg2rad(absorber.inclination_deg or 0.0)
-    mass = design.mass * design.mass_ratio
-    gravity = absorber.gravity or STANDARD_GRAVITY
-    return float(mass * absorber.friction * gravity * np.cos(angle))
 
 
 def cumulative(parts: Numbers) -> Numbers:

@@ -65,7 +65,7 @@ pub use structure::ModalStructure;
 pub use ties::Tie;
 
 use equations::{Regime, Stuck};
-use leaps::Leaps;
+use propagator::Leaps;
 use ties::Tied;
 
 mod absorber;
@@ -78,6 +78,7 @@ mod losses;
 mod matrices;
 mod motion;
 mod on_structure;
+mod propagator;
 mod series;
 mod start;
 mod state;

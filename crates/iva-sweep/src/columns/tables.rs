@@ -100,9 +100,9 @@ macro_rules! summary {
             "energy_friction" Energy [Run] |run| run.ended.tally.friction.energy.value,
                 "energy lost in friction in the gap, 0 without friction";
             "stops" Count [Run] |run| run.ended.tally.friction.stops,
-                "times at which the absorber has come to a stop in its gap, to be held there or to turn round; 0 without friction";
+                "times at which an absorber has come to a stop in its gap, to be held there or to turn round; 0 without friction";
             "time_held" Time [Run] |run| run.ended.tally.friction.time_held.value,
-                "total time at which friction has held the absorber in its gap, 0 without friction";
+                "total time at which friction has held the absorber in its gap, of several the sum; 0 without friction";
         }
     };
 }

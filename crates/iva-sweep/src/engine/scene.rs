@@ -197,11 +197,15 @@ impl<R: Real> Scene<R> {
 
     /// True if an absorber rubs on its way.
     pub fn rubs(&self) -> bool {
-        let any = |friction: &[R]| friction.iter().any(|friction| *friction != 0.0);
+        (0..self.count()).any(|absorber| self.friction_of(absorber) != 0.0)
+    }
+
+    /// The deceleration of an absorber by friction R = k g cos α, in ωn² × length; 0 without.
+    pub fn friction_of(&self, absorber: usize) -> R {
         match self {
-            Scene::Sliding(_) => true,
-            Scene::Modal(it) => any(it.system.friction()),
-            _ => false,
+            Scene::Sliding(it) => it.system.friction(),
+            Scene::Modal(it) => it.system.friction().get(absorber).copied().unwrap_or(R::ZERO),
+            _ => R::ZERO,
         }
     }
 
