@@ -170,10 +170,6 @@ def test_with_others_and_on_modes() -> None:
         (lambda: siva(gap_damping=-1.0), "gap_damping = -1: give"),
         (lambda: siva(gap_damping_ratio=0.1), "gap_damping is given as well"),
         (
-            lambda: iva.simulate(siva(friction=0.1), PRIMARY, start=START, periods=1),
-            "friction is that of one absorber without spring or dashpot",
-        ),
-        (
             lambda: iva.simulate(
                 iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.5, gap_damping=0.1),
                 iva.Primary(),

@@ -220,12 +220,55 @@ def test_estimated_errors_are_no_smaller_than_the_true_ones() -> None:
     assert 0.0 < largest * 30.0 < 1.01 * share * row["condition"]
 
 
+MODES = iva.Structure(
+    frequencies=[30.0, 110.0],
+    damping_ratios=[0.01, 0.01],
+    points={"top": [0.1, 0.07], "middle": [0.06, -0.09]},
+    absorber_at=["top", "middle"],
+    start_displacements=[0.25, 0.02],
+)
+
+
+@pytest.mark.parametrize("structure", [PRIMARY, MODES])
+@pytest.mark.parametrize("more", [{}, {"gap_damping": 4.0}, {"spring": 900.0}])
+def test_errors_of_masses_that_rub_together(structure: Any, more: dict[str, float]) -> None:
+    """Two masses, level and inclined: true errors, from twice the precision, are as estimated."""
+    start = START if structure is PRIMARY else iva.Start()
+    pair = [siva(**more), siva(mass=6.0, clearance=0.008, inclination_deg=3.0)]
+    run = iva.simulate(pair, structure, start=start, duration=1.5, errors=True, verify=True)
+    row = run.summary.row(0, named=True)
+    assert row["stops"] > 10
+    assert set(run.impacts["absorber"]) == {0, 1}
+    assert (run.verification.impacts["time"].abs() <= run.impacts["time_error"]).all()
+    assert abs(row["energy_residual"]) < 1e-13 * row["energy_initial"]
+    lost = split_of(run)
+    assert lost.layers["friction"][-1] == pytest.approx(row["energy_friction"], rel=1e-3)
+
+
+def test_held_masses_slide_when_another_is_struck() -> None:
+    """Friction holds a mass until the blow of another, and a sweep tells what a run tells."""
+    pair = [siva(friction=0.6), siva(friction=0.0, gravity=None, restitution=0.9)]
+    over = {"absorber.0.friction": [0.3, 0.6]}
+    swept = iva.sweep(pair, PRIMARY, over=over, start=iva.Start(displacement=0.03), duration=2.0)
+    run = iva.simulate(pair, PRIMARY, start=iva.Start(displacement=0.03), duration=2.0)
+    row, point = (table.row(at, named=True) for table, at in ((run.summary, 0), (swept, 1)))
+    assert row["time_held"] > 0.1
+    assert row["stops"] > 2
+    for name in ("time_held", "stops", "energy_friction", "impacts"):
+        assert row[name] == point[name]
+
+
 @pytest.mark.parametrize(
     ("call", "told"),
     [
         (
-            lambda: iva.simulate([siva(), siva()], PRIMARY, start=START, periods=1),
-            "friction is that of one absorber",
+            lambda: iva.simulate(
+                [siva(), iva.Piva(mass=5.0, restitution=0.6, clearance=0.01, length=0.3)],
+                PRIMARY,
+                start=START,
+                periods=1,
+            ),
+            r"absorber.1.kind = \"piva\": .* all of a list in which one has .*friction",
         ),
         (
             lambda: iva.simulate(

@@ -1,6 +1,6 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`sliding`], a free mass with friction in its gap; [`several`], a list of
 //! free masses, each in a gap of its own; [`mixed`], a list of free masses and pendulums; [`modal`], free masses on a structure with
-//! several modes.
+//! several modes, with springs, dashpots, gravity and friction of each.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.

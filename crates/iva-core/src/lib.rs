@@ -48,7 +48,8 @@
 //! | a new field of a scene, for studies, sweeps and Python | a row in `crates/iva-sweep/src/fields.rs`, and its meaning in `crates/iva-sweep/src/engine/design.rs`; `CONTRIBUTING.md` has all steps |
 //! | another kind of absorber | a file or folder in `absorber/` that implements [`absorber::OnStructure`], [`absorber::ImpactLaw`] and [`absorber::Absorber`], with the motions of flight and ride ([`flight::Motion`], [`flight::Curve`]); `docs/adding-an-absorber.md` has all steps |
 //! | another structure | the same three traits, with the absorber that is on it: `tests/rust/src/two_modes.rs` has two modes; of the core's own, [`absorber::modal`] has many |
-//! | friction in the gap | the equations and the law at walls: [`absorber::sliding`]; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
+//! | a linear term of a free mass, such as a spring | its force in `absorber/modal/equations.rs`, its energy in `absorber/modal/on_structure.rs`; `absorber/modal/ties.rs` is an example of one |
+//! | friction in the gap | the equations and the law at walls: [`absorber::sliding`] for one mass on one mode, `absorber/modal/friction.rs` for all others; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
 //! | a second absorber on one structure | [`absorber::several`] has the list of free masses, [`absorber::mixed`] that of free masses and pendulums; one absorber is at hand in a state ([`Absorber::at_hand`](absorber::Absorber::at_hand)), and the event loop takes each in turn (`engine/simulate/together.rs`). Impacts and stick episodes tell the index of their absorber. Lanes and orbits know one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its

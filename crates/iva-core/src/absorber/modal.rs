@@ -14,6 +14,7 @@
 //! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
 //! | kₖ, cₖ | spring and dashpot between mass and point | [`Tie`], [`Modal::with_ties`] |
 //! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
+//! | Rₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ | [`Modal::with_friction`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
 //! the unit 1, and one mode with ω = 1 and φ = 1 is the structure of [`crate::absorber::several`].
@@ -202,7 +203,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             }
             *own = *given;
         }
-        Ok(self.completed())
+        self.leaps = OnceLock::new();
+        Ok(self)
     }
 
     /// The same masses with gravity G along the line of motion of each, which rises towards wall +.
@@ -215,7 +217,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
             range::size(&format!("absorber.{k}.gravity"), *given)?;
             *own = *given;
         }
-        Ok(self.completed())
+        self.leaps = OnceLock::new();
+        Ok(self)
     }
 
     /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
@@ -259,7 +262,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
 impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
-        let shapes: [&[R]; N] = std::array::from_fn(|k| self.gap_shape(k));
+        let used = |k: usize| if k < self.count { self.gap_shape(k) } else { &[] };
+        let shapes: [&[R]; N] = std::array::from_fn(used);
         let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         self.mobility = mobility;
