@@ -212,7 +212,7 @@ def test_steps_tell_their_instants_as_well_as_they_say(recorder: str) -> None:
     places = 60.0 * np.arange(1, count + 1) + (np.arange(count) + 0.5) / count - 0.5
     jumps = random.uniform(0.02, 0.1, count) * np.where(np.arange(count) % 2, 1.0, -1.0)
     fine = np.arange(60 * (count + 2) * FINE) / FINE
-    steps = np.cumsum(np.bincount(np.searchsorted(fine, places), jumps, fine.size))
+    steps = np.cumsum(np.bincount(np.searchsorted(fine, places), jumps, fine.size)).astype(float)
     values = filtered(steps, Chain(filter=recorder))[::FINE]
     values = values + 1e-3 * random.standard_normal(values.size)
     time = np.arange(values.size) / rate
