@@ -4,12 +4,13 @@
 //! as one is run as one of a single mode.
 
 use iva_core::absorber::modal::{ModalStructure, Tie};
+use iva_core::range;
 use iva_core::real::Real;
 
 use super::given::Given;
 use super::scale::Scale;
 use crate::choices::Kind;
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 
@@ -39,11 +40,22 @@ pub(super) fn tie<R: Real>(
         _ => Ok(None),
     };
     let spring = in_si(FieldId::Spring, scale.mass * omega * omega, "spring_ratio")?;
-    let of_ratio = || given.get(FieldId::SpringRatio).map(|ratio| mass_ratio * (ratio * ratio));
+    let of_ratio = match given.get(FieldId::SpringRatio) {
+        Some(ratio) => {
+            let spring = mass_ratio * (ratio * ratio);
+            let field = given.path(FieldId::SpringRatio);
+            range::size(&field, spring).map_err(|error| {
+                let rule = format!("{} for k/(M ωn²), which is {}", error.allowed, number(spring));
+                Invalid::new(field.clone(), number(ratio), rule)
+            })?;
+            Some(spring)
+        }
+        None => None,
+    };
     let damping = in_si(FieldId::GapDamping, scale.mass * omega, "gap_damping_ratio")?;
     let of_damping = || given.get(FieldId::GapDampingRatio).map(|ratio| ratio * 2.0);
     Ok(Tie {
-        spring: spring.or_else(of_ratio).unwrap_or(R::ZERO),
+        spring: spring.or(of_ratio).unwrap_or(R::ZERO),
         damping: damping.or_else(of_damping).unwrap_or(R::ZERO),
     })
 }
