@@ -451,13 +451,13 @@ class Siva(Part):
     units: float | None = None
     clearance_spread: float | None = None
     friction: float | None = None
-    spring: float | None = None
-    spring_ratio: float | None = None
     gap_damping: float | None = None
     gap_damping_ratio: float | None = None
+    spring: float | None = None
     inclination: float | None = None
     inclination_deg: float | None = None
     gravity: float | None = None
+    spring_ratio: float | None = None
 
 
 @spell_checked
