@@ -223,7 +223,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         let work = self.progress.counts.work as u64;
         let stopped = || {
-            if work.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+            // Leaps count many segments at once, so that no multiple may come.
+            let asks = S::LEAPS || work.is_multiple_of(CANCEL_EVERY);
+            if asks && self.is_cancelled() {
                 Some(Outcome::Cancelled)
             } else {
                 self.observer.is_done().then_some(Outcome::Stopped)

@@ -27,6 +27,8 @@ use crate::segment::contact::stays_clear_by;
 
 /// Largest number of leaps in one coast: whoever looks within one is shown each of its steps from its begin.
 const MOST_LEAPS: usize = 16;
+/// A coast of so many steps is long enough: where a stiff spring or a fast mode makes them short, each still has to be shown.
+const MOST_STEPS: usize = 1024;
 
 /// What the distance of a mass is, beside the motion of its point: L with its two derivatives, and the sign of its wall.
 #[derive(Clone, Copy, Default)]
@@ -168,6 +170,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let top = leaps.levels.len() - 1;
         let (mut count, mut level) = (0_usize, top);
         for _ in 0..MOST_LEAPS {
+            if count >= MOST_STEPS {
+                break;
+            }
             let found = loop {
                 let length = leaps.shortest * (1_u64 << level) as f64;
                 let end = leaps.shortest * (count + (1 << level)) as f64;

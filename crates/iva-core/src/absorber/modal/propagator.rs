@@ -14,7 +14,7 @@ use crate::segment::taylor::ORDER;
 /// Longest leap, in units of 1/ω of the slowest mode.
 const LONGEST: f64 = 1.5;
 /// Largest number of lengths.
-const LEVELS: usize = 12;
+const LEVELS: usize = 11;
 /// Largest number of coupled modes for which Φ is worth its price.
 const MOST_COUPLED: usize = 8;
 /// Φ of each length, the shortest first.

@@ -31,6 +31,10 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         if count > 0 {
             show_coast(system, &begin, (count, end), &mut self.observer);
             self.progress = self.progress.later(end.1);
+            if S::LEAPS {
+                // A step of a leap is a segment that a series would have taken.
+                self.progress.counts.work += count as f64;
+            }
             self.tally.state = end.0;
             self.rub(&begin.state, R::ZERO);
         }
