@@ -389,7 +389,7 @@ fn faults_of_several_absorbers_name_theirs() {
         ("restitution = 0.7", "length = 0.7", "only a pendulum (kind \"piva\") has it"),
         ("gap = 0.9", "gap = 0.3", "start.1.gap_displacement = -0.2: it must lie in the gap"),
         ("[0.1, -0.2]", "[0.1]", "give a number, or a list of 2, one for each absorber"),
-        ("gap = 0.9", "gap = 0.9\ninclination_deg = 90", "absorber.1.inclination_deg = 90"),
+        ("gap = 0.9", "gap = 0.9\ninclination_deg = 90", "absorber.1.gravity is missing"),
         ("[run]", "[sweep]\n\"absorber.2.gap\" = [1, 2]\n[run]", "2 absorbers, numbered from 0"),
         (
             "[run]",
