@@ -60,6 +60,40 @@ fn an_extremum_within_a_leap_is_decided() {
     assert!(met > 600 && missed > 600, "{met} {missed}");
 }
 
+/// One of three modes swings through a whole period in the longest leap, begins and ends it at rest on the far side, and comes within δ of
+/// the wall, or beyond it, in between. Distances and rates at the ends say nothing of that; only the bound does.
+#[test]
+fn a_period_within_a_leap_is_seen() {
+    let mut rng = Rng::new(21);
+    let [mut met, mut missed] = [0, 0];
+    for _ in 0..400 {
+        let beyond = rng.log_range(1e-10, 0.3) * if rng.unit() > 0.5 { 1.0 } else { -1.0 };
+        // The shortest leap takes 1/16, the longest that the slowest mode allows 32 of it, 2.
+        let frequency = std::f64::consts::PI * rng.range(0.999, 1.001);
+        let structure = ModalStructure::new(&[0.5, frequency, 16.0], &[0.0; 3]).unwrap();
+        let structure = structure.with_point("p", &[1.0; 3]).unwrap();
+        // Walls at −1 − δ and at 2; the mass rests in space, y = cos(ω τ).
+        let mass = FreeMass::new(1e-28, 0.5, (3.0 + beyond) / 2.0).unwrap();
+        let mass = mass.with_offset((1.0 - beyond) / 2.0).unwrap();
+        let system: System = Modal::new(structure, [(mass, "p")]).unwrap();
+        let gap = [GapPoint { y: 1.0, w: 0.0 }];
+        let start = ModalStart::new(&[0.0, -1.0, 0.0], &[], gap).unwrap();
+        let found = run(&system, &start, &Limits::new(2.5, 1e-9)).unwrap();
+        if beyond > 0.0 {
+            assert!(found.impacts.is_empty(), "{beyond}");
+            missed += 1;
+            continue;
+        }
+        let time = (-1.0 - beyond).acos() / frequency;
+        let first = found.impacts.first().unwrap_or_else(|| panic!("{beyond}"));
+        let condition = 1.0 / (2.0 * -beyond).sqrt();
+        assert!((first.time - time).abs() < 1e-15 * (8.0 + 8.0 * condition), "{beyond}");
+        met += 1;
+    }
+    println!("{met} met, {missed} missed");
+    assert!(met > 100 && missed > 100, "{met} {missed}");
+}
+
 /// Adds up what it is shown of coasts, and how far it is off the sines.
 #[derive(Debug)]
 struct Shown<'a> {
