@@ -261,6 +261,10 @@ pub trait Host: Excitation + Clone {
     fn waited(&self, phase: &Phase<Self>, _time: Clock<Self::Real>) -> Phase<Self> {
         *phase
     }
+    /// The instant of a state of the drive; `None` of a structure that cannot be driven.
+    fn time(&self, _phase: &Phase<Self>) -> Option<Clock<Self::Real>> {
+        None
+    }
     /// The motion from point to point of a record that drives the structure.
     fn pieces(&self) -> Option<&Pieces<Self::Real>> {
         None

@@ -314,7 +314,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Measures<S> {
     {
         if self.decay.is_some() {
             self.span(system, whole);
-        } else if self.driven {
+        } else if self.driven && !S::LEAPS {
             self.moving = true;
             if self.wanted.envelope {
                 each(&mut |span| self.list_peaks(system, span));

@@ -97,9 +97,9 @@ const AT_ONCE_ULPS: f64 = 8.0;
 /// The event loop takes the work of an impulse from the velocity of the point that it sees.
 const KICKED: &str = "impulses act at the point that a run sees: let both be the same";
 
-/// Free masses on a structure with several modes, N at most.
+/// Free masses on a structure with several modes: N masses and M modes at most, with masses that are tied among the modes.
 #[derive(Debug, Clone)]
-pub struct Modal<H: Host, const N: usize = MOST> {
+pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     /// The structure as given.
     structure: ModalStructure<H::Real>,
     /// The same, with masses that are coordinates of it.
@@ -140,7 +140,7 @@ impl<R: Real> Modal<UndrivenHost<R>> {
         structure: ModalStructure<R>,
         masses: &[(FreeMass<R>, &str)],
     ) -> Result<Self, Invalid> {
-        Self::with(structure, masses)
+        Self::with_room(structure, masses)
     }
 }
 
@@ -153,14 +153,27 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         structure: ModalStructure<R>,
         masses: [(FreeMass<R>, &str); N],
     ) -> Result<Self, Invalid> {
-        Self::with(structure, &masses)
+        Self::with_room(structure, &masses)
     }
+}
 
-    fn with(structure: ModalStructure<R>, masses: &[(FreeMass<R>, &str)]) -> Result<Self, Invalid> {
-        let count = masses.len();
-        if count > MOST || N == 0 {
-            let rule = format!("give from 1 to {MOST} absorbers");
+impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
+    /// As [`Modal::of`], with room for N masses and M modes.
+    ///
+    /// # Errors
+    /// As [`Modal::of`], and for more masses or modes than there is room for.
+    pub fn with_room(
+        structure: ModalStructure<R>,
+        masses: &[(FreeMass<R>, &str)],
+    ) -> Result<Self, Invalid> {
+        let (count, most) = (masses.len(), MOST.min(N));
+        if count > most || N == 0 {
+            let rule = format!("give from 1 to {most} absorbers");
             return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
+        }
+        if structure.count() > M {
+            let given = format!("{} modes", structure.count());
+            return Err(Invalid::new("structure.frequencies", given, format!("give {M} at most")));
         }
         let mut at = [0; N];
         for (k, (_, point)) in masses.iter().enumerate() {
@@ -226,7 +239,11 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
     /// # Errors
     /// [`Invalid`] for a point that the structure does not have, for impulses at another point than that which a run
     /// sees, whose work it would not know, and for a moving base of a structure that does not say how it takes part.
-    pub fn under(&self, force: Force<R>, point: &str) -> Result<Modal<DrivenHost<R>, N>, Invalid> {
+    pub fn under(
+        &self,
+        force: Force<R>,
+        point: &str,
+    ) -> Result<Modal<DrivenHost<R>, N, M>, Invalid> {
         let pushed = self.whole.point("force.point", point)?;
         if force.kicks() > 0 && pushed != self.seen {
             return Err(Invalid::new("force.point", point, KICKED));
@@ -259,7 +276,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
         let used = |k: usize| if k < self.count { self.gap_shape(k) } else { &[] };
@@ -317,11 +334,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// Gap displacement and velocity of each absorber.
-    pub fn gaps(&self, state: &ModalState<H, N>) -> Vec<GapPoint<R>> {
+    pub fn gaps(&self, state: &ModalState<H, N, M>) -> Vec<GapPoint<R>> {
         self.each_gap(state).collect()
     }
 
-    fn each_gap(&self, state: &ModalState<H, N>) -> impl Iterator<Item = GapPoint<R>> {
+    fn each_gap(&self, state: &ModalState<H, N, M>) -> impl Iterator<Item = GapPoint<R>> {
         self.masses().iter().zip(state.places).map(|(mass, place)| place.gap(mass))
     }
 
@@ -349,7 +366,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The mass at hand, and its place in its gap.
-    fn at_hand_of(&self, state: &ModalState<H, N>) -> (usize, &FreeMass<R>, Place<R>) {
+    fn at_hand_of(&self, state: &ModalState<H, N, M>) -> (usize, &FreeMass<R>, Place<R>) {
         let k = self.index(state.at_hand.into());
         (k, &self.masses[k], state.places[k])
     }

@@ -147,7 +147,7 @@ impl<R: Real> Harmonic<R> {
 
     /// The angle Ω t + phase in rad, reduced to [−π, π].
     #[inline(always)]
-    fn angle(&self, time: DoubleDouble<R>) -> DoubleDouble<R> {
+    pub(crate) fn angle(&self, time: DoubleDouble<R>) -> DoubleDouble<R> {
         let angle = time.times(self.frequency).plus(self.phase);
         let turns = (angle.value / R::TURN.value).round();
         angle - R::TURN.times(turns)

@@ -15,7 +15,7 @@ use crate::segment::slide::Slide;
 /// Largest pressure of a stuck mass that is released with another, in units of 2⁻⁵² of the terms that cancel in it.
 const RELEASED_ULPS: f64 = 16.0;
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// True if the fastest mode does nothing to a chatter of this length that is not rounding: an impulse changes the
     /// derivatives of the pressure by its stiffness, which the sum of a chatter leaves out, and the structure moves in
     /// it as if the mass were stuck but for terms of the same order.
@@ -25,14 +25,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
-    type Start = ModalStart<R, N>;
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Modal<H, N, M> {
+    type Start = ModalStart<R, N, M>;
     type Flight<'a>
-        = ModalMotion<'a, H, N>
+        = ModalMotion<'a, H, N, M>
     where
         H: 'a;
     type Ride<'a>
-        = ModalMotion<'a, H, N>
+        = ModalMotion<'a, H, N, M>
     where
         H: 'a;
 
@@ -48,7 +48,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         ModalState { at_hand: absorber as u8, ..*state }
     }
 
-    fn turn<'a>(&'a self, flight: &mut ModalMotion<'a, H, N>, absorber: usize) {
+    fn turn<'a>(&'a self, flight: &mut ModalMotion<'a, H, N, M>, absorber: usize) {
         flight.from.at_hand = absorber as u8;
     }
 
@@ -118,19 +118,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         self.masses[self.index(absorber)].offset
     }
 
-    fn check_start(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
+    fn check_start(&self, start: &ModalStart<R, N, M>) -> Result<(), Invalid> {
         self.check(start)
     }
 
-    fn begin_at(&self, start: &ModalStart<R, N>, time: Clock<R>) -> Self::State {
+    fn begin_at(&self, start: &ModalStart<R, N, M>, time: Clock<R>) -> Self::State {
         self.first(start, time)
     }
 
-    fn flight(&self, state: &Self::State) -> ModalMotion<'_, H, N> {
+    fn flight(&self, state: &Self::State) -> ModalMotion<'_, H, N, M> {
         ModalMotion::new(self, *state)
     }
 
-    fn ride(&self, state: &Self::State) -> ModalMotion<'_, H, N> {
+    fn ride(&self, state: &Self::State) -> ModalMotion<'_, H, N, M> {
         ModalMotion::new(self, *state)
     }
 
@@ -234,7 +234,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
 
     fn slide<'a>(
         &'a self,
-        flight: &ModalMotion<'a, H, N>,
+        flight: &ModalMotion<'a, H, N, M>,
         length: R,
     ) -> Option<Slide<Self::State, R>> {
         self.first_end_of(flight, length)
@@ -246,7 +246,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
 
     fn first_slip<'a>(
         &'a self,
-        ride: &ModalMotion<'a, H, N>,
+        ride: &ModalMotion<'a, H, N, M>,
         length: R,
     ) -> (Stretch<Self::State, R>, R) {
         ride.first_slip(length)
@@ -254,7 +254,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
 
     fn slipped<'a>(
         &'a self,
-        ride: &ModalMotion<'a, H, N>,
+        ride: &ModalMotion<'a, H, N, M>,
         state: &Self::State,
         direction: R,
     ) -> Option<(Self::State, R)> {

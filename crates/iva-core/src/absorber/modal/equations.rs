@@ -14,7 +14,7 @@
 use super::series::{ModalSeries, Series, Term, scaled};
 use super::state::Modes;
 use super::structure::Damping;
-use super::{Followed, MOST, MOST_MODES, Modal, ModalState};
+use super::{Followed, MOST, Modal, ModalState};
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure as _};
 use crate::number::compensated::DoubleDouble;
@@ -48,7 +48,7 @@ pub(super) struct Stuck<R> {
 /// Coefficients of f, of a_g, and of gravity, which is 1 at all times.
 pub(super) type Pushed<R> = [DoubleDouble<R>; 3];
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// What these stuck masses need.
     pub(super) fn stuck_set(&self, masses: Vec<usize>) -> Stuck<R> {
         let count = masses.len();
@@ -109,7 +109,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     #[inline(always)]
     pub(super) fn series(
         &self,
-        modes: &Modes<R>,
+        modes: &Modes<R, M>,
         regime: &Regime<'_, R, N>,
         pushes: impl Fn(usize) -> Pushed<R>,
         unit: R,
@@ -145,7 +145,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let damped = T::from_real(unit * (m + 1) as f64);
         let over = T::reciprocal((m + 1) * (m + 2));
         let (q, v) = (rows.power(m), rows.power(m + 1));
-        let mut force = [zero; MOST_MODES];
+        let mut force = [zero; M];
         let stiffness = &self.whole.stiffness[..n];
         let sprung = |j: usize| T::of(scaled(stiffness[j], square)) * T::at(q, j);
         match &self.whole.damping {
@@ -214,7 +214,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         &self,
         phase: &Phase<H>,
         unit: R,
-    ) -> impl Fn(usize) -> Pushed<R> + use<R, H, N> {
+    ) -> impl Fn(usize) -> Pushed<R> + use<R, H, N, M> {
         let drive: Option<Drive<R>> = self.host.drive(phase, unit);
         let now = self.host.drive_now(phase);
         move |m| {
@@ -262,7 +262,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
 
     /// A, as the curve of a mass is made of it, and its first three derivatives: the absolute acceleration of the structure at its
     /// point, with gravity and the spring.
-    pub(super) fn shaken(&self, state: &ModalState<H, N>, k: usize) -> [R; 4] {
+    pub(super) fn shaken(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
         place.shaken.unwrap_or_else(|| {
             let pushes = self.pushes(&state.phase, R::ONE);
@@ -277,7 +277,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// −s A: the pressure on its wall per unit mass, if a mass is stuck.
-    pub(super) fn pressure(&self, state: &ModalState<H, N>, k: usize) -> R {
+    pub(super) fn pressure(&self, state: &ModalState<H, N, M>, k: usize) -> R {
         -state.places[k].side * self.shaken(state, k)[0]
     }
 
@@ -297,7 +297,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let parts = self.whole.participation().unwrap_or(none);
         let separate = stuck.masses.is_empty() && self.whole.is_separate();
         let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
-        let [mut lows, mut rates] = [[R::ZERO; MOST_MODES]; 2];
+        let [mut lows, mut rates] = [[R::ZERO; M]; 2];
         for j in 0..self.whole.count() {
             let [low, high] = derivatives(j);
             let energy = high * high + self.whole.stiffness[j].value * (low * low);
@@ -342,7 +342,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The size of the terms that are summed to A of a stuck mass.
-    pub(super) fn terms(&self, state: &ModalState<H, N>, k: usize) -> R {
+    pub(super) fn terms(&self, state: &ModalState<H, N, M>, k: usize) -> R {
         let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
         let mut sum = constant.value.abs() + self.gravity[k].abs() + self.friction[k];
         for (l, mass) in self.masses().iter().enumerate() {
@@ -362,10 +362,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// A short time later: the modes and the drive, and all places but those that `chosen` changes.
     pub(super) fn moved(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         time: R,
         chosen: impl Fn(usize) -> bool,
-    ) -> ModalState<H, N> {
+    ) -> ModalState<H, N, M> {
         if time == 0.0 {
             return *state;
         }

@@ -25,7 +25,7 @@ const DOUBT: f64 = 64.0;
 /// Largest difference of R and |A| where a held mass slides off, in units of 2⁻⁵² of the terms that cancel in it.
 const BALANCED_ULPS: f64 = 1024.0;
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// s R of a mass that slides; 0 of others.
     #[inline(always)]
     pub(super) fn rubbing(&self, k: usize, place: &Place<R>) -> R {
@@ -56,7 +56,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     ///
     /// What one of them does changes A of all others. The forces are those of a linear complementarity problem with a positive
     /// definite matrix, as those of impacts (`modal/impact_law.rs`), and the first mass that breaks its rule is changed until none does.
-    pub(super) fn settled(&self, state: &ModalState<H, N>) -> ModalState<H, N> {
+    pub(super) fn settled(&self, state: &ModalState<H, N, M>) -> ModalState<H, N, M> {
         let rests = |k: &usize| {
             let place = &state.places[*k];
             let inside = place.distance.value > 0.0 && !place.stuck;
@@ -81,7 +81,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// How a mass at rest in its gap goes on instead, if not as it is said to: the sign of its slide, 0 if it is held.
-    fn broken(&self, state: &ModalState<H, N>, k: usize) -> Option<R> {
+    fn broken(&self, state: &ModalState<H, N, M>, k: usize) -> Option<R> {
         let Place { held, sliding, .. } = state.places[k];
         let [a, jerk, ..] = self.shaken(state, k);
         if held {
@@ -115,9 +115,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The first event of a slide of the absorber at hand.
     pub(super) fn first_end_of(
         &self,
-        flight: &ModalMotion<'_, H, N>,
+        flight: &ModalMotion<'_, H, N, M>,
         length: R,
-    ) -> Option<Slide<ModalState<H, N>, R>> {
+    ) -> Option<Slide<ModalState<H, N, M>, R>> {
         let speed = Speed { slide: flight };
         if !(flight.fourth().is_finite() && speed.fourth().is_finite()) {
             return None;
@@ -129,7 +129,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The state in which the absorber at hand has stopped in its gap, and how much later it is.
-    pub(super) fn at_stop(&self, state: &ModalState<H, N>) -> (ModalState<H, N>, R) {
+    pub(super) fn at_stop(&self, state: &ModalState<H, N, M>) -> (ModalState<H, N, M>, R) {
         let (k, mass, place) = self.at_hand_of(state);
         let [a, jerk, ..] = self.shaken(state, k);
         let later = impact::delay(place.rate.value, place.side * a, place.side * jerk);
@@ -154,10 +154,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// no such instant.
     pub(super) fn at_slip(
         &self,
-        ride: &ModalMotion<'_, H, N>,
-        state: &ModalState<H, N>,
+        ride: &ModalMotion<'_, H, N, M>,
+        state: &ModalState<H, N, M>,
         off: R,
-    ) -> Option<(ModalState<H, N>, R)> {
+    ) -> Option<(ModalState<H, N, M>, R)> {
         let ride = ride.sliding_off(off);
         let Jet { value, rate, curvature, .. } = ride.jet(state);
         if value.abs() > ride.magnitude() * (R::EPSILON * BALANCED_ULPS) {
@@ -174,7 +174,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// Σ μ R |Δy| of all masses that slide between two states.
-    pub(super) fn rubbed_by_all(&self, [from, to]: [&ModalState<H, N>; 2]) -> R {
+    pub(super) fn rubbed_by_all(&self, [from, to]: [&ModalState<H, N, M>; 2]) -> R {
         let sliding = |k: &usize| self.rubbing(*k, &from.places[*k]) != 0.0;
         (0..self.count).filter(sliding).fold(R::ZERO, |sum, k| {
             let way = (to.places[k].distance - from.places[k].distance).value.abs();
@@ -183,7 +183,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// How the absorber at hand returns from a rebound that begins in a state.
-    pub(super) fn way_back(&self, state: &ModalState<H, N>) -> Option<Back<R>> {
+    pub(super) fn way_back(&self, state: &ModalState<H, N, M>) -> Option<Back<R>> {
         let (k, _, place) = self.at_hand_of(state);
         if self.friction[k] == 0.0 {
             return None;
@@ -195,7 +195,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// True if it is proved that the absorber at hand does not stop between these places.
     pub(super) fn keeps_sliding(&self, ends: [&Place<R>; 2], length: R) -> bool {
         let s = self.from.places[self.at_hand()].sliding;
@@ -208,7 +208,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
     }
 
     /// The first instant within a length at which friction no longer holds the absorber at hand, and the sign of its slide from there on.
-    pub(super) fn first_slip(&self, length: R) -> (Stretch<ModalState<H, N>, R>, R) {
+    pub(super) fn first_slip(&self, length: R) -> (Stretch<ModalState<H, N, M>, R>, R) {
         let off = |off: R| self.sliding_off(off);
         let up = first_release(&off(R::ONE), &self.from, length);
         let whole = if up.contact.is_some() { up.end.h } else { length };
@@ -228,13 +228,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
 
 /// The speed |w| of the absorber at hand.
 #[derive(Debug)]
-struct Speed<'s, 'a, H: Host, const N: usize> {
-    slide: &'s ModalMotion<'a, H, N>,
+struct Speed<'s, 'a, H: Host, const N: usize, const M: usize> {
+    slide: &'s ModalMotion<'a, H, N, M>,
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Speed<'_, '_, H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve for Speed<'_, '_, H, N, M> {
     type Real = R;
-    type Sample = ModalState<H, N>;
+    type Sample = ModalState<H, N, M>;
 
     fn sample(&self, h: R) -> Self::Sample {
         self.slide.sample(h)

@@ -46,14 +46,14 @@ struct Blow<R, const N: usize> {
     carried: [bool; N],
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// w of a mass, in double-double.
     fn gap_velocity(place: &Place<R>) -> DoubleDouble<R> {
         DoubleDouble { value: -place.side * place.rate.value, rest: -place.side * place.rate.rest }
     }
 
     /// e of each mass that has an impact: it touches its wall and approaches it.
-    fn struck(&self, state: &ModalState<H, N>) -> [Option<R>; N] {
+    fn struck(&self, state: &ModalState<H, N, M>) -> [Option<R>; N] {
         std::array::from_fn(|k| {
             let Place { side, distance, rate, stuck, .. } = state.places[k];
             let strikes = k < self.count && !stuck && distance.value == 0.0 && rate.value < 0.0;
@@ -65,7 +65,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// velocities from outside.
     fn blow(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         struck: &[Option<R>; N],
         outside: &[DoubleDouble<R>; N],
         time: R,
@@ -120,10 +120,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The state after impulses. Masses in flight keep their velocity.
     fn after(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         blow: &Blow<R, N>,
         outside: Option<DoubleDouble<R>>,
-    ) -> ModalState<H, N> {
+    ) -> ModalState<H, N, M> {
         let mut after = state.renewed();
         for k in 0..self.count {
             let place = &mut after.places[k];
@@ -151,9 +151,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The state after an impulse from outside, on the point on which the force acts.
     pub(super) fn blown(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         impulse: DoubleDouble<R>,
-    ) -> ModalState<H, N> {
+    ) -> ModalState<H, N, M> {
         let outside = std::array::from_fn(|k| impulse * self.pushed_at(k));
         let blow = self.blow(state, &[None; N], &outside, R::ZERO);
         self.after(state, &blow, Some(impulse))
@@ -179,7 +179,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for Modal<H, N, M> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
     fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
         let k = self.index(absorber);

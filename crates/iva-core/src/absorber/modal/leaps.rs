@@ -1,4 +1,4 @@
-//! Leaps: the motion of an undriven structure over lengths each of which is twice the one before, of which everything but the
+//! Leaps: the motion of a structure over lengths each of which is twice the one before, of which everything but the
 //! state is known beforehand.
 //!
 //! While no mass is stuck or held, z = (q, q̇) moves by z(t + h) = Φ(h) z(t) + Σ pₖ cₖ(h), where cₖ is what a mass that is pulled with an acceleration 1 does to a structure
@@ -6,20 +6,25 @@
 //! Φ² and Φ c + c. All are in double-double. Modes that exchange no energy have
 //! blocks of 2 × 2.
 //!
+//! **A harmonic drive** is a linear system as well: a cos(Ωt + θ) is a sum of cos Ωt and sin Ωt, whose factors turn by Ωh in a leap, and each of the two has a column
+//! as a pull has. A base that moves is one more coordinate that the modes do not feel, b̈ = a_g. So resonance is no special case.
+//! Records, whose points are closer than a leap is long, are left to the power series.
+//!
 //! **Proof that a leap meets no wall** ([`Modal::coasts`]). The distance of a mass to its wall is D = L + s φ·q, with L linear in t, or quadratic where gravity acts on the mass alone.
 //! From D and Ḋ at both ends and a bound on D⁗ follows whether it stays between the walls ([`stays_clear_by`]). The bound is that of the
-//! energy of the third derivative, which never grows: it holds for all leaps of a coast, and a fast mode that hardly moves does not
-//! shorten them. Where it proves nothing a leap of half the length is tried. A leap begins at a multiple of its length, so
+//! energy of the third derivative, which never grows without drive: it holds for all leaps of a coast, and a fast mode that hardly moves does not
+//! shorten them. Under a drive each leap has a bound of its own, with what the drive may add meanwhile. Where it proves nothing a leap of half the length is tried. A leap begins at a multiple of its length, so
 //! that a length that failed is not tried again at once.
 //!
 //! Φ is made in `modal/propagator.rs`. Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
 
 use super::equations::Regime;
-use super::propagator::Flown;
+use super::propagator::{Feed, Flown, MOST_WAVES};
 use super::state::{Modes, Place};
 use super::structure::Damping;
-use super::{MOST_MODES, Modal, ModalState};
+use super::{Modal, ModalState};
 use crate::absorber::{Clock, Coasted};
+use crate::force::{Acts, Force};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -37,6 +42,8 @@ struct Line<R> {
     rate: R,
     bend: R,
     side: R,
+    /// 1 if the base takes part in the distance, else 0.
+    based: R,
 }
 
 /// A mass at one instant: distance and rate, and the sizes of the terms that each of them is the sum of.
@@ -70,12 +77,12 @@ fn summed<R: Real, const K: usize>(n: usize, of: impl Fn(usize) -> [R; K]) -> [R
     parts.map(|[a, b, c, d]| (a + b) + (c + d))
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// The derivatives 2 to 4 of all modes while no mass is stuck or held.
-    fn bent(&self, z: &Flown<R>, pulls: &[DoubleDouble<R>; N]) -> [[R; MOST_MODES]; 3] {
+    fn bent(&self, z: &Flown<R, M>, Feed { pulls, waves }: &Feed<R, N>) -> [[R; M]; 3] {
         let n = self.whole.count();
-        let next = |low: &[R], high: &[R]| -> [R; MOST_MODES] {
-            let mut bent = [R::ZERO; MOST_MODES];
+        let next = |low: &[R], high: &[R]| -> [R; M] {
+            let mut bent = [R::ZERO; M];
             for (j, bent) in bent[..n].iter_mut().enumerate() {
                 let damped = match &self.whole.damping {
                     Damping::Separate(rates) => rates[j].value * high[j],
@@ -95,22 +102,81 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             }
             bent
         };
-        let mut second = next(&z.high[..n], &z.high[n..2 * n]);
+        let [(q, v), _] = z.parts(2 * n).map(|part| part.split_at(n));
+        let mut second = next(q, v);
         for (k, pull) in pulls.iter().enumerate().filter(|(_, pull)| pull.value != 0.0) {
             let weight = self.masses[k].mass_ratio * pull.value;
             for (bent, phi) in second.iter_mut().zip(self.gap_shape(k)) {
                 *bent = phi.mul_add(weight, *bent);
             }
         }
-        let third = next(&z.high[n..2 * n], &second);
-        [second, third, next(&second, &third)]
+        self.push_by(waves, 0, &mut second);
+        let mut third = next(v, &second);
+        self.push_by(waves, 1, &mut third);
+        let mut fourth = next(&second, &third);
+        self.push_by(waves, 2, &mut fourth);
+        [second, third, fourth]
+    }
+
+    /// Adds what a derivative of the drive, of order 2 at most, is to the modes.
+    fn push_by(&self, waves: &[[DoubleDouble<R>; 2]; MOST_WAVES], order: usize, bent: &mut [R; M]) {
+        let harmonics = self.host.force().map_or(&[][..], Force::harmonics);
+        for (harmonic, [cosine, sine]) in harmonics.iter().zip(waves) {
+            let w = harmonic.frequency;
+            let size = [cosine.value, w * sine.value, -(w * w) * cosine.value][order];
+            let shape = match harmonic.acts {
+                Acts::Primary => self.whole.shape(self.pushed),
+                Acts::Base => self.whole.participation().unwrap_or(&[]),
+            };
+            let size = if harmonic.acts == Acts::Base { -size } else { size };
+            for (bent, part) in bent.iter_mut().zip(shape) {
+                *bent = part.mul_add(size, *bent);
+            }
+        }
+    }
+
+    /// What feeds the structure from a state on.
+    fn feed(&self, state: &ModalState<H, N, M>) -> Feed<R, N> {
+        let Regime { pulls, .. } = self.regime(&state.places);
+        let mut waves = [[DoubleDouble::ZERO; 2]; MOST_WAVES];
+        if let Some((force, time)) = self.host.force().zip(self.host.time(&state.phase)) {
+            for (wave, harmonic) in waves.iter_mut().zip(force.harmonics()) {
+                let (s, c) = R::precise_sincos(harmonic.angle(time));
+                *wave = [c, -s].map(|part| part.times(harmonic.amplitude));
+            }
+        }
+        Feed { pulls, waves }
+    }
+
+    /// Bounds on the third derivatives of the distances of masses that rub, and on the fourth ones of all, in a motion of this length.
+    fn bounds(
+        &self,
+        state: &ModalState<H, N, M>,
+        z: &Flown<R, M>,
+        feed: &Feed<R, N>,
+        length: R,
+    ) -> [[R; N]; 2] {
+        let derivatives = self.bent(z, feed);
+        let free = self.regime(&[Place::FAR; N]).stuck;
+        let bound = |k: usize, n: usize| {
+            let of = |j: usize| [derivatives[n - 2][j], derivatives[n - 1][j]];
+            self.bound(of, free, self.followed(k, &state.places[k]), n, length)
+        };
+        let [mut thirds, mut fourths] = [[R::ZERO; N]; 2];
+        for k in 0..self.count {
+            fourths[k] = bound(k, 3);
+            if self.friction[k] != 0.0 {
+                thirds[k] = bound(k, 2);
+            }
+        }
+        [thirds, fourths]
     }
 
     /// A mass at an instant of a coast.
     #[inline(always)]
-    fn sight(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R>) -> Sight<R> {
+    fn sight(&self, shape: &[R], line: &Line<R>, time: R, z: &Flown<R, M>) -> Sight<R> {
         let n = shape.len();
-        let (q, v) = z.high[..2 * n].split_at(n);
+        let [(q, v), _] = z.parts(2 * n).map(|part| part.split_at(n));
         let of = |j: usize| {
             let [u, rate] = [shape[j] * q[j], shape[j] * v[j]];
             [u, rate, u.abs(), rate.abs()]
@@ -119,17 +185,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let [sums, sizes] = [[u, rate], [size, speed]];
         let gained = line.bend * time;
         let straight = [(gained * 0.5 + line.rate).mul_add(time, line.begin), line.rate + gained];
-        let along = |i: usize| line.side.mul_add(sums[i], straight[i]);
-        let size = |i: usize| sizes[i] + straight[i].abs();
+        let moved = z.base.map(|part| part.value * line.based);
+        let along = |i: usize| line.side.mul_add(sums[i] + moved[i], straight[i]);
+        let size = |i: usize| sizes[i] + straight[i].abs() + moved[i].abs();
         Sight { distance: [along(0), along(1)], sizes: [size(0), size(1)] }
     }
 
     /// How many of the shortest leaps are proved to meet no wall, and the state after them.
     pub(super) fn leap(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         remaining: R,
-    ) -> (usize, Coasted<ModalState<H, N>, R>) {
+    ) -> (usize, Coasted<ModalState<H, N, M>, R>) {
         let none = (0, (*state, Clock::ZERO));
         // Before all else, so that nothing of it is compiled for numbers that take every step.
         if !R::FAST_PATHS {
@@ -141,30 +208,25 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         // Begin and end of a leap, in turns.
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
-        let Regime { stuck: free, pulls } = self.regime(&state.places);
-        let derivatives = self.bent(z, &pulls);
+        let mut feed = self.feed(state);
+        let driven = self.host.force().is_some_and(Force::lasts);
+        let remaining = remaining.min(self.host.smooth_for(&state.phase));
         let mut lines = [Line::default(); N];
-        let [mut thirds, mut fourths] = [[R::ZERO; N]; 2];
+        let [mut thirds, mut fourths] =
+            if driven { [[R::ZERO; N]; 2] } else { self.bounds(state, z, &feed, R::ZERO) };
         let mut now = [Sight::default(); N];
         for k in 0..self.count {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
             let still = Line {
                 side: place.side,
                 bend: place.side * self.falling(k, place).value,
+                based: if self.tied[k].is_none() { R::ONE } else { R::ZERO },
                 ..Line::default()
             };
             let Sight { distance: [u, rate], sizes } = self.sight(shape, &still, R::ZERO, z);
             let distance = [place.distance.value, place.rate.value];
             lines[k] = Line { begin: distance[0] - u, rate: distance[1] - rate, ..still };
             now[k] = Sight { distance, sizes };
-            let bound = |n: usize| {
-                let of = |j: usize| [derivatives[n - 2][j], derivatives[n - 1][j]];
-                self.bound(of, free, self.followed(k, place), n, R::ZERO)
-            };
-            fourths[k] = bound(3);
-            if self.friction[k] != 0.0 {
-                thirds[k] = bound(2);
-            }
         }
         let mut then = now;
         let top = leaps.levels.len() - 1;
@@ -173,11 +235,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             if count >= MOST_STEPS {
                 break;
             }
+            if driven {
+                [thirds, fourths] =
+                    self.bounds(state, z, &feed, leaps.shortest * (1_u64 << level) as f64);
+            }
             let found = loop {
                 let length = leaps.shortest * (1_u64 << level) as f64;
                 let end = leaps.shortest * (count + (1 << level)) as f64;
                 if end < remaining {
-                    leaps.levels[level].apply((n, separate), z, to, &pulls);
+                    leaps.levels[level].apply((n, separate), z, to, &feed);
                     let clear = (0..self.count).all(|k| {
                         then[k] = self.sight(self.gap_shape(k), &lines[k], end, to);
                         let ends = [now[k].distance, then[k].distance];
@@ -200,6 +266,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 break;
             }
             std::mem::swap(&mut z, &mut to);
+            feed = leaps.levels[level].turned(&feed);
             now = then;
             count += 1 << level;
             level = top.min(count.trailing_zeros() as usize);
@@ -214,21 +281,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The state after some of the shortest leaps.
     pub(super) fn leapt(
         &self,
-        state: &ModalState<H, N>,
+        state: &ModalState<H, N, M>,
         steps: usize,
-    ) -> Coasted<ModalState<H, N>, R> {
+    ) -> Coasted<ModalState<H, N, M>, R> {
         if !R::FAST_PATHS {
             return (*state, Clock::ZERO);
         }
         let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
-        let Regime { pulls, .. } = self.regime(&state.places);
+        let mut feed = self.feed(state);
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
         let mut left = steps;
         while left > 0 {
             let level = (leaps.levels.len() - 1).min(left.ilog2() as usize);
-            leaps.levels[level].apply((n, separate), z, to, &pulls);
+            leaps.levels[level].apply((n, separate), z, to, &feed);
+            feed = leaps.levels[level].turned(&feed);
             std::mem::swap(&mut z, &mut to);
             left -= 1 << level;
         }
@@ -237,25 +305,34 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The state at a later instant of a flight in which no mass is stuck, with these modes.
-    fn landed(&self, from: &ModalState<H, N>, z: &Flown<R>, time: Clock<R>) -> ModalState<H, N> {
+    fn landed(
+        &self,
+        from: &ModalState<H, N, M>,
+        z: &Flown<R, M>,
+        time: Clock<R>,
+    ) -> ModalState<H, N, M> {
         let modes = z.modes(self.whole.count());
-        let mut state = ModalState { modes, ..*from };
+        let phase = self.host.waited(&from.phase, time);
+        let mut state = ModalState { modes, phase, ..*from };
         for k in 0..self.count {
-            state.places[k] = self.place_after(from, k, &modes, time);
+            state.places[k] = self.place_after(from, k, (&modes, z.base), time);
         }
         state
     }
 
-    /// The place of a mass in flight at a later instant, at which the modes are these. The base is at rest.
+    /// The place of a mass in flight at a later instant, at which the modes are these, and the base has moved so far beyond a uniform motion.
     pub(super) fn place_after(
         &self,
-        from: &ModalState<H, N>,
+        from: &ModalState<H, N, M>,
         k: usize,
-        modes: &Modes<R>,
+        (modes, base): (&Modes<R, M>, [DoubleDouble<R>; 2]),
         time: Clock<R>,
     ) -> Place<R> {
         let (place, shape) = (&from.places[k], self.gap_shape(k));
-        let ([u, v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
+        let ([mut u, mut v], [u0, v0]) = (modes.of_point(shape), from.modes.of_point(shape));
+        if self.tied[k].is_none() {
+            (u, v) = (u + base[0], v + base[1]);
+        }
         let sided = |part: DoubleDouble<R>| if place.side > 0.0 { part } else { part.negated() };
         let fallen = time * self.falling(k, place);
         let curved = sided(u - (u0 + v0 * time) + (fallen * time).half());

@@ -9,7 +9,7 @@ use super::{Followed, Modal};
 use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
 use crate::host::Host;
 
-impl<H: Host<Real = f64>, const N: usize> LinearMasses for Modal<H, N> {
+impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal<H, N, M> {
     fn linear(&self) -> LinearStructure {
         let n = self.whole.count();
         let own = self.whole.stiffness.iter().map(|square| square.value);

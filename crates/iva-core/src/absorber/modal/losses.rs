@@ -8,7 +8,7 @@ use crate::segment::flight::Losses;
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row};
 
-impl<R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'_, H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// The losses of the first part of the motion, of length h.
     pub(super) fn lost(&self, h: R) -> Losses<R> {
         let rates = self.velocities();

@@ -24,10 +24,10 @@ const NEAR: f64 = 1e-6;
 ///
 /// A sample of the curve holds the place of that absorber only, the rest of it is that of the begin.
 #[derive(Debug, Clone)]
-pub struct ModalMotion<'a, H: Host, const N: usize> {
-    pub(super) system: &'a Modal<H, N>,
+pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
+    pub(super) system: &'a Modal<H, N, M>,
     regime: Regime<'a, H::Real, N>,
-    pub(super) from: ModalState<H, N>,
+    pub(super) from: ModalState<H, N, M>,
     /// Unit of time of the series: a power of two.
     pub(super) unit: H::Real,
     reach: H::Real,
@@ -50,8 +50,8 @@ struct Expansion<R, const N: usize> {
     base: Row<R>,
 }
 
-impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
-    pub(super) fn new(system: &'a Modal<H, N>, from: ModalState<H, N>) -> Self {
+impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
+    pub(super) fn new(system: &'a Modal<H, N, M>, from: ModalState<H, N, M>) -> Self {
         let regime = system.regime(&from.places);
         let unit = R::power_of_two(system.reach);
         let smooth = system.host.smooth_for(&from.phase);
@@ -183,7 +183,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     }
 
     /// The state at h, at which the modes are these.
-    fn state_with(&self, modes: Modes<R>, h: R) -> ModalState<H, N> {
+    fn state_with(&self, modes: Modes<R, M>, h: R) -> ModalState<H, N, M> {
         let (system, from) = (self.system, &self.from);
         let mut places = from.places;
         for (k, place) in places[..system.count].iter_mut().enumerate() {
@@ -195,7 +195,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                 // The series keeps the relative accuracy of a rebound or of a slide, however small it is.
                 Place { shaken: None, ..self.place(k, h) }
             } else {
-                system.place_after(from, k, &modes, Clock::new(h))
+                system.place_after(from, k, (&modes, [DoubleDouble::ZERO; 2]), Clock::new(h))
             };
         }
         let free = system.host.free();
@@ -209,9 +209,11 @@ fn base_row<R: Real>(pushes: impl Fn(usize) -> Pushed<R>) -> Row<R> {
     std::array::from_fn(|m| pushes(m)[1].value)
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
+    for ModalMotion<'_, H, N, M>
+{
     type Real = R;
-    type State = ModalState<H, N>;
+    type State = ModalState<H, N, M>;
     const RIDING: bool = false;
 
     fn origin(&self) -> &Self::State {
@@ -296,7 +298,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
         let mut size = self.magnitude();
         for (j, phi) in self.system.gap_shape(k).iter().enumerate() {
-            let of = |Modes { places, velocities }: &Modes<R>| {
+            let of = |Modes { places, velocities }: &Modes<R, M>| {
                 velocities[j].value.abs().mul_add(length, places[j].value.abs())
             };
             size += phi.abs() * (of(&self.from.modes) + of(&end.modes));
@@ -424,9 +426,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
+    for ModalMotion<'_, H, N, M>
+{
     type Real = R;
-    type Sample = ModalState<H, N>;
+    type Sample = ModalState<H, N, M>;
 
     fn sample(&self, h: R) -> Self::Sample {
         let k = self.at_hand();

@@ -6,10 +6,10 @@ use crate::host::{Host, Phase};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 
-impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for Modal<H, N, M> {
     type Real = R;
     type Excitation = H;
-    type State = ModalState<H, N>;
+    type State = ModalState<H, N, M>;
 
     fn excitation(&self) -> &H {
         &self.host

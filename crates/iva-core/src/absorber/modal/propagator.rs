@@ -1,15 +1,16 @@
-//! Φ of the lengths of leaps, each twice the one before, and c: what they are made of, and their products with a state.
+//! Φ of the lengths of leaps, each twice the one before, and the columns of what feeds the structure: what they are made of, and their
+//! products with a state.
 
-use super::equations::Regime;
+use super::Modal;
+use super::equations::{Pushed, Regime};
 use super::series::EXACT;
 use super::state::{Modes, Place};
-use super::{MOST_MODES, Modal};
 use crate::absorber::Clock;
-use crate::force::Force;
+use crate::force::{Acts, Force};
 use crate::host::Host;
 use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
-use crate::segment::taylor::ORDER;
+use crate::segment::taylor::{Number, ORDER};
 
 /// Longest leap, in units of 1/ω of the slowest mode.
 const LONGEST: f64 = 1.5;
@@ -17,6 +18,9 @@ const LONGEST: f64 = 1.5;
 const LEVELS: usize = 11;
 /// Largest number of coupled modes for which Φ is worth its price.
 const MOST_COUPLED: usize = 8;
+/// Largest number of harmonic parts of a drive that leaps take.
+pub(super) const MOST_WAVES: usize = 4;
+
 /// Φ of each length, the shortest first.
 #[derive(Debug, Clone)]
 pub(super) struct Leaps<R> {
@@ -27,17 +31,45 @@ pub(super) struct Leaps<R> {
 /// Φ of one length, high and low parts: column by column, or, of separate modes, its four diagonals.
 #[derive(Debug, Clone)]
 pub(super) struct Propagator<R> {
+    length: R,
     high: Vec<R>,
     low: Vec<R>,
     /// c of each mass; empty of one that nothing pulls.
     falls: Vec<Vec<DoubleDouble<R>>>,
+    waves: Vec<Wave<R>>,
 }
 
-/// z: all q, then all q̇, in high and low parts.
+/// A harmonic part of the drive over one length.
+#[derive(Debug, Clone)]
+struct Wave<R> {
+    /// cos Ωh and sin Ωh.
+    turn: [DoubleDouble<R>; 2],
+    /// What cos Ωt and sin Ωt do meanwhile to a structure at rest.
+    columns: [Column<R>; 2],
+}
+
+/// What a drive of size 1 does to a structure at rest: to all q and q̇, and to the base.
+#[derive(Debug, Clone)]
+struct Column<R> {
+    modes: Vec<DoubleDouble<R>>,
+    base: [DoubleDouble<R>; 2],
+}
+
+/// What feeds a structure from an instant on.
 #[derive(Clone, Copy)]
-pub(super) struct Flown<R> {
-    pub high: [R; 2 * MOST_MODES],
-    pub low: [R; 2 * MOST_MODES],
+pub(super) struct Feed<R, const N: usize> {
+    /// G + s R of each mass.
+    pub pulls: [DoubleDouble<R>; N],
+    /// a cos θ and −a sin θ of each harmonic part a cos(Ωt + θ) of the drive: the factors of cos Ωt and sin Ωt.
+    pub waves: [[DoubleDouble<R>; 2]; MOST_WAVES],
+}
+
+/// z: all q, then all q̇ at once, in high and low parts; and how far the base has moved since the begin of a coast, beyond a uniform motion.
+#[derive(Clone, Copy)]
+pub(super) struct Flown<R, const M: usize> {
+    high: [[R; M]; 2],
+    low: [[R; M]; 2],
+    pub base: [DoubleDouble<R>; 2],
 }
 
 impl<R: Real> Leaps<R> {
@@ -47,23 +79,44 @@ impl<R: Real> Leaps<R> {
     }
 }
 
-impl<R: Real> Flown<R> {
-    pub(super) fn of(modes: &Modes<R>, n: usize) -> Self {
-        let mut flown = Self { high: [R::ZERO; 2 * MOST_MODES], low: [R::ZERO; 2 * MOST_MODES] };
+impl<R: Real, const M: usize> Flown<R, M> {
+    const REST: Self =
+        Self { high: [[R::ZERO; M]; 2], low: [[R::ZERO; M]; 2], base: [DoubleDouble::ZERO; 2] };
+
+    pub(super) fn of(modes: &Modes<R, M>, n: usize) -> Self {
+        let mut flown = Self::REST;
         let both = modes.places[..n].iter().chain(&modes.velocities[..n]);
-        for ((high, low), part) in flown.high.iter_mut().zip(&mut flown.low).zip(both) {
-            (*high, *low) = (part.value, part.rest);
-        }
+        both.enumerate().for_each(|(i, part)| flown.set(i, *part));
         flown
     }
 
-    pub(super) fn modes(&self, n: usize) -> Modes<R> {
+    pub(super) fn modes(&self, n: usize) -> Modes<R, M> {
         let mut modes = Modes::REST;
         for j in 0..n {
-            modes.places[j] = DoubleDouble { value: self.high[j], rest: self.low[j] };
-            modes.velocities[j] = DoubleDouble { value: self.high[n + j], rest: self.low[n + j] };
+            (modes.places[j], modes.velocities[j]) = (self.get(j), self.get(n + j));
         }
         modes
+    }
+
+    /// High and low parts of so many numbers.
+    #[inline(always)]
+    pub(super) fn parts(&self, size: usize) -> [&[R]; 2] {
+        [&self.high, &self.low].map(|part| &part.as_flattened()[..size])
+    }
+
+    #[inline(always)]
+    fn parts_mut(&mut self, size: usize) -> [&mut [R]; 2] {
+        [&mut self.high, &mut self.low].map(|part| &mut part.as_flattened_mut()[..size])
+    }
+
+    fn get(&self, i: usize) -> DoubleDouble<R> {
+        let [high, low] = self.parts(2 * M);
+        DoubleDouble { value: high[i], rest: low[i] }
+    }
+
+    fn set(&mut self, i: usize, part: DoubleDouble<R>) {
+        let [high, low] = self.parts_mut(2 * M);
+        (high[i], low[i]) = (part.value, part.rest);
     }
 }
 
@@ -82,12 +135,11 @@ fn combined<R: Real>([a, x]: [[R; 2]; 2], [b, y]: [[R; 2]; 2]) -> [R; 2] {
 impl<R: Real> Propagator<R> {
     /// Φ z of separate modes.
     #[inline(always)]
-    fn turn(&self, n: usize, z: &Flown<R>, to: &mut Flown<R>) {
+    fn turn<const M: usize>(&self, n: usize, z: &Flown<R, M>, to: &mut Flown<R, M>) {
         let of = |part: usize| (&self.high[part * n..][..n], &self.low[part * n..][..n]);
         let ([a, b], [c, d]) = ([of(0), of(1)], [of(2), of(3)]);
-        let ((q, v), (ql, vl)) = (z.high[..2 * n].split_at(n), z.low[..2 * n].split_at(n));
-        let ((to_q, to_v), (to_ql, to_vl)) =
-            (to.high[..2 * n].split_at_mut(n), to.low[..2 * n].split_at_mut(n));
+        let [(q, v), (ql, vl)] = z.parts(2 * n).map(|part| part.split_at(n));
+        let [(to_q, to_v), (to_ql, to_vl)] = to.parts_mut(2 * n).map(|part| part.split_at_mut(n));
         for j in 0..n {
             let (q, v) = ([q[j], ql[j]], [v[j], vl[j]]);
             let at = |part: (&[R], &[R])| [part.0[j], part.1[j]];
@@ -98,12 +150,13 @@ impl<R: Real> Propagator<R> {
 
     /// Φ z of coupled modes.
     #[inline(always)]
-    fn product(&self, size: usize, z: &Flown<R>, to: &mut Flown<R>) {
-        let mut sum = Flown { high: [R::ZERO; 2 * MOST_MODES], low: [R::ZERO; 2 * MOST_MODES] };
+    fn product<const M: usize>(&self, size: usize, z: &Flown<R, M>, to: &mut Flown<R, M>) {
+        let mut sum = Flown::<R, M>::REST;
+        let [sums, rests] = sum.parts_mut(size);
+        let [z, z_low] = z.parts(size);
         let columns = self.high.chunks_exact(size).zip(self.low.chunks_exact(size));
         for (j, (high, low)) in columns.enumerate() {
-            let [x, xl] = [z.high[j], z.low[j]];
-            let (sums, rests) = (&mut sum.high[..size], &mut sum.low[..size]);
+            let [x, xl] = [z[j], z_low[j]];
             for i in 0..size {
                 let (p, lost) = two_product(high[i], x);
                 let small = high[i].mul_add(xl, low[i] * x) + lost;
@@ -112,16 +165,15 @@ impl<R: Real> Propagator<R> {
             }
         }
         for i in 0..size {
-            let value = sum.high[i] + sum.low[i];
-            (to.high[i], to.low[i]) = (value, sum.low[i] - (value - sum.high[i]));
+            let value = sums[i] + rests[i];
+            to.set(i, DoubleDouble { value, rest: rests[i] - (value - sums[i]) });
         }
     }
 
     /// Φ(2h) from Φ(h).
-    fn squared(&self, n: usize, separate: bool) -> Self {
+    fn squared<const M: usize>(&self, n: usize, separate: bool) -> Self {
         let mut square = self.clone();
-        let rest = [R::ZERO; 2 * MOST_MODES];
-        let (mut z, mut to) = (Flown { high: rest, low: rest }, Flown { high: rest, low: rest });
+        let (mut z, mut to) = (Flown::<R, M>::REST, Flown::<R, M>::REST);
         // The columns of Φ are states; of separate modes all first columns are one state, and all second ones.
         let columns = if separate { 2 } else { 2 * n };
         for column in 0..columns {
@@ -130,56 +182,107 @@ impl<R: Real> Propagator<R> {
                 false => column * 2 * n + i,
             };
             for i in 0..2 * n {
-                (z.high[i], z.low[i]) = (self.high[place(i)], self.low[place(i)]);
+                let (value, rest) = (self.high[place(i)], self.low[place(i)]);
+                z.set(i, DoubleDouble { value, rest });
             }
             self.multiply(n, separate, &z, &mut to);
             for i in 0..2 * n {
-                (square.high[place(i)], square.low[place(i)]) = (to.high[i], to.low[i]);
+                let DoubleDouble { value, rest } = to.get(i);
+                (square.high[place(i)], square.low[place(i)]) = (value, rest);
             }
         }
-        for fall in square.falls.iter_mut().filter(|fall| !fall.is_empty()) {
-            for (i, part) in fall.iter().enumerate() {
-                (z.high[i], z.low[i]) = (part.value, part.rest);
-            }
+        let mut carry = |column: &[DoubleDouble<R>]| -> Vec<DoubleDouble<R>> {
+            column.iter().enumerate().for_each(|(i, part)| z.set(i, *part));
             self.multiply(n, separate, &z, &mut to);
-            for (i, part) in fall.iter_mut().enumerate() {
-                *part = *part + DoubleDouble { value: to.high[i], rest: to.low[i] };
+            (0..2 * n).map(|i| to.get(i)).collect()
+        };
+        for fall in square.falls.iter_mut().filter(|fall| !fall.is_empty()) {
+            let carried = carry(fall);
+            fall.iter_mut().zip(carried).for_each(|(part, carried)| *part = *part + carried);
+        }
+        for (wave, half) in square.waves.iter_mut().zip(&self.waves) {
+            let ([c, s], [cosine, sine]) = (half.turn, &half.columns);
+            wave.turn = [c * c - s * s, (c * s).times(2.0)];
+            // In the second half the drive is cos Ω(h + t) = c cos Ωt − s sin Ωt, or sin Ω(h + t) = s cos Ωt + c sin Ωt.
+            for (column, first, by) in [(0, cosine, [c, -s]), (1, sine, [s, c])] {
+                let second = |a, b| by[0] * a + by[1] * b;
+                let column = &mut wave.columns[column];
+                column.modes = carry(&first.modes);
+                let both = cosine.modes.iter().zip(&sine.modes);
+                for (part, (a, b)) in column.modes.iter_mut().zip(both) {
+                    *part = *part + second(*a, *b);
+                }
+                let moved = [first.base[0] + first.base[1].times(self.length), first.base[1]];
+                column.base =
+                    std::array::from_fn(|i| moved[i] + second(cosine.base[i], sine.base[i]));
             }
         }
+        square.length = self.length * 2.0;
         square
     }
 
     /// Φ z.
     #[inline(always)]
-    fn multiply(&self, n: usize, separate: bool, z: &Flown<R>, to: &mut Flown<R>) {
+    fn multiply<const M: usize>(
+        &self,
+        n: usize,
+        separate: bool,
+        z: &Flown<R, M>,
+        to: &mut Flown<R, M>,
+    ) {
         if separate { self.turn(n, z, to) } else { self.product(2 * n, z, to) }
     }
 
-    /// Φ z + Σ p c.
+    /// Φ z, and what the feed does.
     #[inline(always)]
-    pub(super) fn apply(
+    pub(super) fn apply<const M: usize, const N: usize>(
         &self,
         (n, separate): (usize, bool),
-        z: &Flown<R>,
-        to: &mut Flown<R>,
-        pulls: &[DoubleDouble<R>],
+        z: &Flown<R, M>,
+        to: &mut Flown<R, M>,
+        feed: &Feed<R, N>,
     ) {
         self.multiply(n, separate, z, to);
-        for (fall, pull) in self.falls.iter().zip(pulls).filter(|(_, pull)| pull.value != 0.0) {
-            for ((high, low), part) in to.high.iter_mut().zip(&mut to.low).zip(fall) {
-                let sum = *pull * *part + DoubleDouble { value: *high, rest: *low };
-                (*high, *low) = (sum.value, sum.rest);
+        let mut add = |factor: DoubleDouble<R>, column: &[DoubleDouble<R>]| {
+            for (i, part) in column.iter().enumerate() {
+                to.set(i, factor * *part + to.get(i));
+            }
+        };
+        let pulled = self.falls.iter().zip(&feed.pulls).filter(|(_, pull)| pull.value != 0.0);
+        pulled.for_each(|(fall, pull)| add(*pull, fall));
+        if self.waves.is_empty() {
+            return;
+        }
+        let mut base = [z.base[0] + z.base[1].times(self.length), z.base[1]];
+        for (wave, factors) in self.waves.iter().zip(feed.waves) {
+            for (column, factor) in wave.columns.iter().zip(factors) {
+                add(factor, &column.modes);
+                base = std::array::from_fn(|i| base[i] + factor * column.base[i]);
             }
         }
+        to.base = base;
+    }
+
+    /// The feed after this length.
+    #[inline(always)]
+    pub(super) fn turned<const N: usize>(&self, feed: &Feed<R, N>) -> Feed<R, N> {
+        let mut later = *feed;
+        for (wave, [cosine, sine]) in self.waves.iter().zip(&mut later.waves) {
+            let [c, s] = wave.turn;
+            (*cosine, *sine) = (*cosine * c + *sine * s, *sine * c - *cosine * s);
+        }
+        later
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// Φ of all lengths; `None` where leaps are not worth their price.
     pub(super) fn leaps(&self) -> Option<&Leaps<R>> {
         let n = self.whole.count();
-        let free = self.host.force().is_none_or(Force::is_none);
-        if !free || !(self.whole.is_separate() || n <= MOST_COUPLED) {
+        let turns =
+            |force: &Force<R>| force.records().is_empty() && force.harmonics().len() <= MOST_WAVES;
+        let fits = self.host.force().is_none_or(turns);
+        if !fits || !(self.whole.is_separate() || n <= MOST_COUPLED) {
             return None;
         }
         Some(self.leaps.get_or_init(|| self.all_leaps()))
@@ -194,7 +297,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let mut levels = vec![self.shortest_leap(shortest, separate)];
         let mut length = shortest * 2.0;
         while length <= longest && levels.len() < LEVELS {
-            let next = levels[levels.len() - 1].squared(n, separate);
+            let next = levels[levels.len() - 1].squared::<M>(n, separate);
             levels.push(next);
             length *= 2.0;
         }
@@ -210,13 +313,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
         let (high, low) = (vec![R::ZERO; size], vec![R::ZERO; size]);
-        let mut whole = Propagator { high, low, falls: vec![vec![]; self.count] };
-        let ends = |modes: &Modes<R>, regime: &Regime<'_, R, N>| {
-            let gravity = |m: usize| DoubleDouble::new(if m == 0 { R::ONE } else { R::ZERO });
-            let still = |m: usize| [DoubleDouble::ZERO, DoubleDouble::ZERO, gravity(m)];
-            let rows = self.series(modes, regime, still, unit, (ORDER, EXACT));
-            rows.modes(length / unit, unit)
+        let (falls, waves) = (vec![vec![]; self.count], vec![]);
+        let mut whole = Propagator { length, high, low, falls, waves };
+        let ends = |modes: &Modes<R, M>, regime: &Regime<'_, R, N>, fed: &[Pushed<R>]| {
+            let rows = self.series(modes, regime, |m| fed[m], unit, (ORDER, EXACT));
+            rows.modes::<M>(length / unit, unit)
         };
+        let mut still = [[DoubleDouble::ZERO; 3]; ORDER + 1];
+        still[0][2] = DoubleDouble::new(R::ONE);
         for column in 0..columns {
             let mut modes = Modes::REST;
             for j in 0..n {
@@ -228,7 +332,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
                 let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
                 (modes.places[j], modes.velocities[j]) = (one(q), one(v));
             }
-            let ends = ends(&modes, &free);
+            let ends = ends(&modes, &free, &still);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
                 for (i, end) in [(j, q), (n + j, v)] {
@@ -241,9 +345,54 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         for k in (0..self.count).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
             let mut pulled = free;
             pulled.pulls[k] = DoubleDouble::new(R::ONE);
-            let Modes { places, velocities } = ends(&Modes::REST, &pulled);
-            whole.falls[k] = places[..n].iter().chain(&velocities[..n]).copied().collect();
+            whole.falls[k] = column(&ends(&Modes::REST, &pulled, &still), n);
+        }
+        for harmonic in self.host.force().map_or(&[][..], Force::harmonics) {
+            let based = harmonic.acts == Acts::Base;
+            let columns = turning(DoubleDouble::new(harmonic.frequency).times(unit)).map(|row| {
+                let fed = row.map(|part| {
+                    let [f, a] =
+                        if based { [DoubleDouble::ZERO, part] } else { [part, DoubleDouble::ZERO] };
+                    [f, a, DoubleDouble::ZERO]
+                });
+                let modes = column(&ends(&Modes::REST, &free, &fed), n);
+                let base = if based { twice(&row, length, unit) } else { [DoubleDouble::ZERO; 2] };
+                Column { modes, base }
+            });
+            let (s, c) = R::precise_sincos(DoubleDouble::new(harmonic.frequency).times(length));
+            whole.waves.push(Wave { turn: [c, s], columns });
         }
         whole
     }
+}
+
+/// cos Ωt and sin Ωt in powers of t over the unit of time, in which Ω is `turn`.
+fn turning<R: Real>(turn: DoubleDouble<R>) -> [[DoubleDouble<R>; ORDER + 1]; 2] {
+    let square = -(turn * turn);
+    [[DoubleDouble::new(R::ONE), DoubleDouble::ZERO], [DoubleDouble::ZERO, turn]].map(|begin| {
+        let mut row = [DoubleDouble::ZERO; ORDER + 1];
+        row[..2].copy_from_slice(&begin);
+        for m in 0..ORDER - 1 {
+            row[m + 2] =
+                row[m] * square * <DoubleDouble<R> as Number>::reciprocal((m + 1) * (m + 2));
+        }
+        row
+    })
+}
+
+/// The double integral over a length of what has these powers of t over the unit of time, and the single one.
+fn twice<R: Real>(row: &[DoubleDouble<R>], length: R, unit: R) -> [DoubleDouble<R>; 2] {
+    let t = length / unit;
+    let [mut way, mut rate] = [DoubleDouble::<R>::ZERO; 2];
+    for (m, part) in row.iter().enumerate().rev() {
+        let once = *part * <DoubleDouble<R> as Number>::reciprocal(m + 1);
+        rate = rate.times(t) + once;
+        way = way.times(t) + once * <DoubleDouble<R> as Number>::reciprocal(m + 2);
+    }
+    [way.times(length).times(length), rate.times(length)]
+}
+
+/// All q, then all q̇.
+fn column<R: Real, const M: usize>(modes: &Modes<R, M>, n: usize) -> Vec<DoubleDouble<R>> {
+    modes.places[..n].iter().chain(&modes.velocities[..n]).copied().collect()
 }

@@ -1,6 +1,5 @@
 //! The power series of a motion: those of all modes, and that of one coordinate, which is a sum of them.
 
-use super::MOST_MODES;
 use super::state::Modes;
 use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
@@ -127,9 +126,9 @@ impl<R: Real> ModalSeries<R> {
 
     /// q and q̇ of all modes at t = h/`unit`.
     #[inline(always)]
-    pub(super) fn modes(&self, t: R, unit: R) -> Modes<R> {
+    pub(super) fn modes<const M: usize>(&self, t: R, unit: R) -> Modes<R, M> {
         let n = self.n;
-        let zero = [R::ZERO; MOST_MODES];
+        let zero = [R::ZERO; M];
         let ([mut q, mut ql], [mut v, mut vl]) = ([zero; 2], [zero; 2]);
         let ((q, ql), (v, vl)) = ((&mut q[..n], &mut ql[..n]), (&mut v[..n], &mut vl[..n]));
         let exact = self.low.len() / n;

@@ -14,28 +14,28 @@ use crate::segment::flight::GapPoint;
 
 /// A start: q and q̇ of the modes, and the place of each mass in its gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModalStart<R, const N: usize = MOST> {
-    displacements: [R; MOST_MODES],
-    velocities: [R; MOST_MODES],
+pub struct ModalStart<R, const N: usize = MOST, const M: usize = MOST_MODES> {
+    displacements: [R; M],
+    velocities: [R; M],
     /// Of each absorber; those after the last absorber mean nothing.
     gaps: [GapPoint<R>; N],
 }
 
-impl<R: Real, const N: usize> ModalStart<R, N> {
+impl<R: Real, const N: usize, const M: usize> ModalStart<R, N, M> {
     /// The start with these q and q̇, of which those left out are 0, and with this y and w of each mass.
     ///
     /// # Errors
-    /// [`Invalid`] for more than [`MOST_MODES`] of one.
+    /// [`Invalid`] for more than M of one.
     pub fn new(
         displacements: &[R],
         velocities: &[R],
         gaps: [GapPoint<R>; N],
     ) -> Result<Self, Invalid> {
         let filled = |name: &str, given: &[R]| {
-            let mut all = [R::ZERO; MOST_MODES];
+            let mut all = [R::ZERO; M];
             let room = all.get_mut(..given.len());
             let Some(room) = room else {
-                return same(&format!("start.modes.{name}"), given.len(), MOST_MODES).map(|()| all);
+                return same(&format!("start.modes.{name}"), given.len(), M).map(|()| all);
             };
             room.copy_from_slice(given);
             Ok(all)
@@ -46,9 +46,9 @@ impl<R: Real, const N: usize> ModalStart<R, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// Checks a start.
-    pub(super) fn check(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
+    pub(super) fn check(&self, start: &ModalStart<R, N, M>) -> Result<(), Invalid> {
         let n = self.own_modes();
         for (name, all) in [("displacement", &start.displacements), ("velocity", &start.velocities)]
         {
@@ -72,7 +72,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The first state.
-    pub(super) fn first(&self, start: &ModalStart<R, N>, time: Clock<R>) -> ModalState<H, N> {
+    pub(super) fn first(&self, start: &ModalStart<R, N, M>, time: Clock<R>) -> ModalState<H, N, M> {
         let phase: Phase<H> = self.host.begin_at(time);
         let mut places = start.displacements.map(DoubleDouble::new);
         let mut velocities = start.velocities.map(DoubleDouble::new);

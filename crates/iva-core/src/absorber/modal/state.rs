@@ -10,11 +10,11 @@ use crate::segment::flight::GapPoint;
 
 /// qⱼ and q̇ⱼ; those beyond the number of modes are 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Modes<R = f64> {
+pub struct Modes<R = f64, const M: usize = MOST_MODES> {
     /// qⱼ.
-    pub places: [DoubleDouble<R>; MOST_MODES],
+    pub places: [DoubleDouble<R>; M],
     /// q̇ⱼ.
-    pub velocities: [DoubleDouble<R>; MOST_MODES],
+    pub velocities: [DoubleDouble<R>; M],
 }
 
 /// The place of one mass in its gap, its velocity, and the motion of the structure there.
@@ -37,8 +37,8 @@ pub struct Place<R = f64> {
 
 /// The state of a structure with modes and of its masses between events.
 #[derive(Debug, PartialEq)]
-pub struct ModalState<H: Host, const N: usize = MOST> {
-    pub(super) modes: Modes<H::Real>,
+pub struct ModalState<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
+    pub(super) modes: Modes<H::Real, M>,
     pub(super) places: [Place<H::Real>; N],
     /// The state of the drive.
     pub(super) phase: Phase<H>,
@@ -46,15 +46,15 @@ pub struct ModalState<H: Host, const N: usize = MOST> {
     pub(super) at_hand: u8,
 }
 
-impl<H: Host, const N: usize> Clone for ModalState<H, N> {
+impl<H: Host, const N: usize, const M: usize> Clone for ModalState<H, N, M> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<H: Host, const N: usize> Copy for ModalState<H, N> {}
+impl<H: Host, const N: usize, const M: usize> Copy for ModalState<H, N, M> {}
 
-impl<H: Host, const N: usize> ModalState<H, N> {
+impl<H: Host, const N: usize, const M: usize> ModalState<H, N, M> {
     /// The same state, after a change of what accelerates the structure.
     pub(super) fn renewed(mut self) -> Self {
         self.places.iter_mut().for_each(|place| place.shaken = None);
@@ -62,17 +62,15 @@ impl<H: Host, const N: usize> ModalState<H, N> {
     }
 
     /// qⱼ and q̇ⱼ.
-    pub fn modes(&self) -> &Modes<H::Real> {
+    pub fn modes(&self) -> &Modes<H::Real, M> {
         &self.modes
     }
 }
 
-impl<R: Real> Modes<R> {
+impl<R: Real, const M: usize> Modes<R, M> {
     /// At rest in the middle.
-    pub(super) const REST: Self = Self {
-        places: [DoubleDouble::ZERO; MOST_MODES],
-        velocities: [DoubleDouble::ZERO; MOST_MODES],
-    };
+    pub(super) const REST: Self =
+        Self { places: [DoubleDouble::ZERO; M], velocities: [DoubleDouble::ZERO; M] };
 
     /// Displacement and velocity of a point of this shape.
     pub(super) fn of_point(&self, shape: &[R]) -> [DoubleDouble<R>; 2] {

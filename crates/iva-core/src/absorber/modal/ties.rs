@@ -11,8 +11,8 @@
 //! impact law and while it is stuck, and gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
 //! presses on that as any other mass does, less what the spring pulls: the dashpot is at rest.
 
+use super::Modal;
 use super::structure::ModalStructure;
-use super::{MOST_MODES, Modal};
 use crate::error::{Invalid, number};
 use crate::host::{Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
@@ -57,12 +57,12 @@ impl<R: Real> Tie<R> {
     }
 }
 
-impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
+impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// The same masses, each tied to its point.
     ///
     /// # Errors
     /// [`Invalid`] for a negative number or one out of [`crate::range`], for ties that are not as many as masses, and if modes
-    /// and tied masses are more than [`MOST_MODES`].
+    /// and tied masses are more than M.
     pub fn with_ties(self, ties: &[Tie<R>]) -> Result<Self, Invalid> {
         super::structure::same("absorber.spring", ties.len(), self.count)?;
         for (k, tie) in ties.iter().enumerate() {
@@ -71,9 +71,8 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
         let own = self.whole.count();
         let coupled: Vec<usize> = (0..self.count).filter(|k| ties[*k] != Tie::NONE).collect();
         let count = own + coupled.len();
-        if count > MOST_MODES {
-            let rule =
-                format!("modes and masses with a spring or dashpot are {MOST_MODES} at most");
+        if count > M {
+            let rule = format!("modes and masses with a spring or dashpot are {M} at most");
             return Err(Invalid::new("absorber.spring", number(count as f64), rule));
         }
         if coupled.is_empty() {
@@ -94,7 +93,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// Number of modes that are the structure's own.
     pub(super) fn own_modes(&self) -> usize {
         self.structure.count()

@@ -141,7 +141,12 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn waited(&self, phase: &Moment<R>, time: Clock<R>) -> Moment<R> {
-        phase.waited(time)
+        let later = phase.waited(time);
+        if self.forces.force.lasts() { self.taken_over(&later) } else { later }
+    }
+
+    fn time(&self, phase: &Moment<R>) -> Option<Clock<R>> {
+        Some(phase.time)
     }
 
     fn pieces(&self) -> Option<&Pieces<R>> {
