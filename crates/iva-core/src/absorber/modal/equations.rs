@@ -240,7 +240,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         &self,
         rows: &ModalSeries<R>,
         Followed { shape, with_base, constant }: Followed<'_, R>,
-        pushes: &impl Fn(usize) -> Pushed<R>,
+        base: impl Fn(usize) -> DoubleDouble<R>,
         (unit, order): (R, usize),
     ) -> Series<R> {
         let mut sum = Series::ZERO;
@@ -248,9 +248,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for m in 2..=order {
             let mut moved = rows.summed(shape, m);
             if based {
-                let [_, a, _] = pushes(m - 2);
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
-                moved = moved + scaled(a, unit * unit) * over;
+                moved = moved + scaled(base(m - 2), unit * unit) * over;
             }
             if m == 2 && constant.value != 0.0 {
                 moved = moved + scaled(constant, unit * unit).half();
@@ -271,7 +270,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let regime = self.regime(&state.places);
             let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (order, 3));
             let followed = self.followed(k, place);
-            let curved = self.curved(&rows, followed, &pushes, (R::ONE, order));
+            let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
             [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
         })
     }
@@ -382,7 +381,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         moved.phase = self.host.free().later(&state.phase, time);
         for k in (0..self.count).filter(|k| !chosen(*k)) {
             let place = &mut moved.places[k];
-            let curved = self.curved(&rows, self.followed(k, place), &pushes, (R::ONE, 2));
+            let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 2));
             *place = place.moved(time, curved.plain(2) * 2.0);
         }
         moved

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::equations::{Pushed, Regime};
+use super::equations::Regime;
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::{Modal, ModalState, wall_of};
@@ -46,8 +46,8 @@ struct Expansion<R, const N: usize> {
     rows: ModalSeries<R>,
     /// ∬A at the points of the masses for which it was needed.
     curved: [OnceCell<Series<R>>; N],
-    /// a_g.
-    base: Row<R>,
+    /// a_g in powers of t.
+    base: [DoubleDouble<R>; ORDER + 1],
 }
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
@@ -68,17 +68,22 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         let pushes = self.system.pushes(&self.from.phase, self.unit);
         let rows =
             self.system.series(&self.from.modes, &self.regime, &pushes, self.unit, (ORDER, EXACT));
-        Expansion { rows, curved: [const { OnceCell::new() }; N], base: base_row(pushes) }
+        let base = std::array::from_fn(|m| pushes(m)[1]);
+        Expansion { rows, curved: [const { OnceCell::new() }; N], base }
+    }
+
+    /// a_g in powers of t, in plain numbers.
+    fn base(&self) -> Row<R> {
+        self.expansion().base.map(|a| a.value)
     }
 
     /// ∬A at the point of a mass.
     fn curved(&self, k: usize) -> &Series<R> {
-        let Expansion { rows, curved, .. } = self.expansion();
+        let Expansion { rows, curved, base } = self.expansion();
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
-            let pushes = self.system.pushes(&self.from.phase, self.unit);
             let followed = self.system.followed(k, place);
-            let mut curved = self.system.curved(rows, followed, &pushes, (self.unit, ORDER));
+            let mut curved = self.system.curved(rows, followed, |m| base[m], (self.unit, ORDER));
             // At a release the acceleration is set to 0 without rounding.
             if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
                 curved.set(2, DoubleDouble::ZERO);
@@ -202,11 +207,6 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         let phase = free.renewed(&free.within(&from.phase, h));
         ModalState { modes, places, phase, at_hand: from.at_hand }
     }
-}
-
-/// a_g in powers of t.
-fn base_row<R: Real>(pushes: impl Fn(usize) -> Pushed<R>) -> Row<R> {
-    std::array::from_fn(|m| pushes(m)[1].value)
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
@@ -343,7 +343,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn acceleration(&self, h: R) -> R {
-        self.primary(h).curvature + horner(&self.expansion().base, self.share(h))
+        self.primary(h).curvature + horner(&self.base(), self.share(h))
     }
 
     fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
@@ -356,7 +356,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
         let bent = self.displacement(self.system.shape(absorber)).derivative::<2>(t).value;
-        Some(bent * over * over + horner(&self.expansion().base, t))
+        Some(bent * over * over + horner(&self.base(), t))
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
@@ -397,7 +397,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        let (x, base) = (self.x().row(), self.expansion().base);
+        let (x, base) = (self.x().row(), self.base());
         let square = R::ONE / (self.unit * self.unit);
         let acceleration = std::array::from_fn(|m| {
             let of = ((m + 1) * (m + 2)) as f64;
