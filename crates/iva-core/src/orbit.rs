@@ -273,7 +273,6 @@ pub fn iterate<S: Iterated>(
 }
 
 impl Iterated for Siva {}
-impl Iterated for Alone<UndrivenHost> {}
 impl Iterated for Alone<DrivenHost> {}
 
 impl Iterated for Siva<DrivenHost> {

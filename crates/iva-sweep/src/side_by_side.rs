@@ -54,10 +54,6 @@ pub(crate) fn run(
             Scene::Alone(it) => Some(it),
             _ => None,
         })?;
-        part.run(extremes, |scene| match scene {
-            Scene::DrivenAlone(it) => Some(it),
-            _ => None,
-        })?;
     }
     Ok(part.ended)
 }

@@ -91,6 +91,12 @@ pub const MOST: usize = 8;
 /// Largest number of modes.
 pub const MOST_MODES: usize = 40;
 
+/// Room for masses and for modes in systems of few.
+pub const FEW: usize = 4;
+
+/// Few masses on a structure of few modes: every step copies the whole state, which is a quarter as large.
+pub type FewModes<H> = Modal<H, FEW, FEW>;
+
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
 const AT_ONCE_ULPS: f64 = 8.0;
 
@@ -313,14 +319,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.tied.get(mass).and_then(Option::as_ref).map_or(Tie::NONE, |tied| tied.tie)
     }
 
-    /// The deceleration R of each mass that slides, by friction.
-    pub fn friction(&self) -> &[R] {
-        &self.friction[..self.count]
+    /// The deceleration R of a mass that slides, by friction; 0 without such a mass.
+    pub fn friction_of(&self, mass: usize) -> R {
+        self.friction.get(mass).copied().unwrap_or(R::ZERO)
     }
 
-    /// G along the line of motion of each mass.
-    pub fn gravity(&self) -> &[R] {
-        &self.gravity[..self.count]
+    /// G along the line of motion of a mass; `None` without such a mass.
+    pub fn gravity_of(&self, mass: usize) -> Option<R> {
+        self.gravity[..self.count].get(mass).copied()
     }
 
     /// The masses.

@@ -25,7 +25,7 @@ impl<H: Host<Real = f64>> Estimated for Several<H> {
     type Way = ByLists;
 }
 
-impl<H: Host<Real = f64>, const N: usize> Estimated for Modal<H, N> {
+impl<H: Host<Real = f64>, const N: usize, const M: usize> Estimated for Modal<H, N, M> {
     type Way = ByLists;
 }
 

@@ -87,10 +87,6 @@ impl SideBySide for Siva {
     }
 }
 
-impl SideBySide for Alone<UndrivenHost> {
-    run_jobs!();
-}
-
 impl SideBySide for Alone<DrivenHost> {
     run_jobs!();
 }

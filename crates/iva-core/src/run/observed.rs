@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::absorber::Absorber;
 use crate::absorber::mixed::Mixed;
-use crate::absorber::modal::Modal;
+use crate::absorber::modal::{FewModes, Modal};
 use crate::absorber::piva::Piva;
 use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
@@ -81,6 +81,6 @@ observed! {
     Mixed<UndrivenHost>,
     Mixed<DrivenHost>,
     Modal<DrivenHost>,
-    Alone<UndrivenHost>,
+    FewModes<DrivenHost>,
     Alone<DrivenHost>,
 }

@@ -252,16 +252,10 @@ impl<R: Real> Given<'_, R> {
                 }
             }
             Kind::None => {
-                let system = Alone::new(self.damping_ratio(scale, units)?, [])?;
+                let system = Alone::new(self.damping_ratio(scale, units)?, [])?.under(force);
                 let start = Point { x: start.displacement, v: start.velocity }.into();
                 system.check_start(&start)?;
-                let gravity = None;
-                if Scene::undriven(&force) {
-                    Ok(Scene::Alone(Mounted { system, start, gravity }))
-                } else {
-                    let system = system.under(force);
-                    Ok(Scene::DrivenAlone(Mounted { system, start, gravity }))
-                }
+                Ok(Scene::Alone(Mounted { system, start, gravity: None }))
             }
         }
     }

@@ -2,9 +2,10 @@
 
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
-use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure, Tie};
+use iva_core::absorber::modal::{FEW, Modal, ModalStart, ModalStructure, Tie};
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
+use iva_core::host::DrivenHost;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
@@ -145,19 +146,37 @@ fn mounted<R: Real>(
     given: &Given<'_, R>,
     modes: ModalStructure<R>,
     riding: Riding<'_, R>,
+    begin: [Vec<R>; 2],
+    points: [&str; 2],
+    force: Force<R>,
+) -> Result<Scene<R>, Invalid> {
+    let tied = riding.ties.iter().filter(|tie| **tie != Tie::NONE).count();
+    let few = riding.masses.len() <= FEW && modes.count() + tied <= FEW;
+    if R::FAST_PATHS && few {
+        let few = with_room(given, modes, riding, begin, points, force)?;
+        return Ok(Scene::FewModes(Box::new(few)));
+    }
+    with_room(given, modes, riding, begin, points, force).map(|it| Scene::Modal(Box::new(it)))
+}
+
+/// The same system with room for N masses and M modes.
+fn with_room<R: Real, const N: usize, const M: usize>(
+    given: &Given<'_, R>,
+    modes: ModalStructure<R>,
+    riding: Riding<'_, R>,
     [displacements, velocities]: [Vec<R>; 2],
     [seen, pushed]: [&str; 2],
     force: Force<R>,
-) -> Result<Scene<R>, Invalid> {
+) -> Result<Mounted<Modal<DrivenHost<R>, N, M>>, Invalid> {
     let Riding { masses, gaps, ties, along, friction, gravity } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
-    let system = Modal::of(modes, &masses)?.seen_at(seen)?;
+    let system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
     let system = system.under(force, pushed).map_err(named)?;
-    Ok(Scene::Modal(Box::new(Mounted { system, start, gravity })))
+    Ok(Mounted { system, start, gravity })
 }
 
 /// An error of the core with the name that the user knows.

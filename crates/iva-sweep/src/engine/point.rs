@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::mixed::Mixed;
-use iva_core::absorber::modal::Modal;
+use iva_core::absorber::modal::{FewModes, Modal};
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, OnStructure};
@@ -289,7 +289,7 @@ observes_any! {
     Mixed<DrivenHost<R>>,
     Sliding<R>,
     Modal<DrivenHost<R>>,
-    Alone<UndrivenHost<R>>,
+    FewModes<DrivenHost<R>>,
     Alone<DrivenHost<R>>,
     Piva<UndrivenHost<R>>,
     Piva<DrivenHost<R>>,

@@ -1,7 +1,7 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
 use iva_core::absorber::mixed::Mixed;
-use iva_core::absorber::modal::{Modal, ModalStructure, Tie};
+use iva_core::absorber::modal::{FewModes, Modal, ModalStructure, Tie};
 use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
@@ -48,10 +48,10 @@ pub enum Scene<R: Real = f64> {
     DrivenMixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
     /// Free masses on a structure with several modes, or tied to their points, or with weight in a list; under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
-    /// A structure without absorber in free decay.
-    Alone(Mounted<Alone<UndrivenHost<R>>>),
-    /// A structure without absorber under force.
-    DrivenAlone(Mounted<Alone<DrivenHost<R>>>),
+    /// The same with few masses and modes, in doubles.
+    FewModes(Box<Mounted<FewModes<DrivenHost<R>>>>),
+    /// A structure without absorber, under force or in free decay.
+    Alone(Mounted<Alone<DrivenHost<R>>>),
 }
 
 /// Whether several absorbers, structures with several modes and friction are simulated as well: a program without sweeps
@@ -73,8 +73,8 @@ macro_rules! with_system {
             Scene::Mixed($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenMixed($mounted) if EVERY_SCENE => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
-            Scene::Alone($mounted) if Scene::<R>::UNDRIVEN => $body,
-            Scene::DrivenAlone($mounted) => $body,
+            Scene::FewModes($mounted) if EVERY_SCENE && R::FAST_PATHS => $body,
+            Scene::Alone($mounted) => $body,
             _ => unreachable!("scenes of this kind are not built"),
         }
     }};
@@ -150,6 +150,7 @@ impl<R: Real> Scene<R> {
     fn modes(&self) -> Option<&ModalStructure<R>> {
         match self {
             Scene::Modal(it) => Some(it.system.structure()),
+            Scene::FewModes(it) => Some(it.system.structure()),
             _ => None,
         }
     }
@@ -191,6 +192,7 @@ impl<R: Real> Scene<R> {
     pub fn tie_of(&self, absorber: usize) -> Tie<R> {
         match self {
             Scene::Modal(it) => it.system.tie(absorber),
+            Scene::FewModes(it) => it.system.tie(absorber),
             _ => Tie::NONE,
         }
     }
@@ -204,7 +206,8 @@ impl<R: Real> Scene<R> {
     pub fn friction_of(&self, absorber: usize) -> R {
         match self {
             Scene::Sliding(it) => it.system.friction(),
-            Scene::Modal(it) => it.system.friction().get(absorber).copied().unwrap_or(R::ZERO),
+            Scene::Modal(it) => it.system.friction_of(absorber),
+            Scene::FewModes(it) => it.system.friction_of(absorber),
             _ => R::ZERO,
         }
     }
@@ -265,7 +268,8 @@ impl<R: Real> Scene<R> {
             Scene::Siva(_) => Some(R::ZERO),
             Scene::DrivenSiva(it) => Some(it.system.gravity()),
             Scene::Sliding(it) => Some(it.system.without_friction().gravity()),
-            Scene::Modal(it) => it.system.gravity().get(absorber).copied(),
+            Scene::Modal(it) => it.system.gravity_of(absorber),
+            Scene::FewModes(it) => it.system.gravity_of(absorber),
             _ => None,
         }
     }
