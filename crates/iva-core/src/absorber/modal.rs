@@ -71,6 +71,7 @@ use ties::Tied;
 
 mod absorber;
 mod equations;
+mod forms;
 mod friction;
 pub mod impact_law;
 mod leaps;

@@ -39,25 +39,27 @@ pub(crate) fn monotone<R: Real, S: OnStructure<Real = R>, M: Motion<Real = R, St
         take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
         begin = (h, x);
     };
-    match (span.motion.turns(span.length, span.end), span.motion.rows()) {
-        (Turns::Never, _) => {}
-        (Turns::Once(h, x), _) => turn((h, x)),
+    match span.motion.turns(span.length, span.end) {
+        Turns::Never => {}
+        Turns::Once(h, x) => turn((h, x)),
         // Under force x may have more than one extremum.
-        (Turns::Unknown, Some(Rows { x, step, order, .. })) => {
-            let x = &x[..=order];
-            for bracket in turnings(x, span.length / step) {
-                let (t, x) = turned(|t| jet(x, t), bracket);
-                turn(((t * step).min(span.length), x));
+        Turns::Unknown => match span.motion.rows() {
+            Some(Rows { x, step, order, .. }) => {
+                let x = &x[..=order];
+                for bracket in turnings(x, span.length / step) {
+                    let (t, x) = turned(|t| jet(x, t), bracket);
+                    turn(((t * step).min(span.length), x));
+                }
             }
-        }
-        (Turns::Unknown, None) if from.v * to.v < 0.0 => {
-            let at = |h: R| {
-                let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
-                [value, rate, curvature, jerk]
-            };
-            turn(turned(at, [R::ZERO, span.length]));
-        }
-        (Turns::Unknown, None) => {}
+            None if from.v * to.v < 0.0 => {
+                let at = |h: R| {
+                    let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
+                    [value, rate, curvature, jerk]
+                };
+                turn(turned(at, [R::ZERO, span.length]));
+            }
+            None => {}
+        },
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
 }

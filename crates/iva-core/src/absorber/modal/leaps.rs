@@ -22,13 +22,13 @@ use super::equations::Regime;
 use super::propagator::{Feed, Flown, MOST_WAVES};
 use super::state::{Modes, Place};
 use super::structure::Damping;
-use super::{Modal, ModalState};
+use super::{Followed, Modal, ModalState};
 use crate::absorber::{Clock, Coasted};
 use crate::force::{Acts, Force};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::stays_clear_by;
+use crate::segment::contact::{keeps_pressing, stays_clear_by};
 
 /// Largest number of leaps in one coast: whoever looks within one is shown each of its steps from its begin.
 const MOST_LEAPS: usize = 16;
@@ -78,61 +78,97 @@ fn summed<R: Real, const K: usize>(n: usize, of: impl Fn(usize) -> [R; K]) -> [R
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// The derivatives 2 to 4 of all modes while no mass is stuck or held.
-    fn bent(&self, z: &Flown<R, M>, Feed { pulls, waves }: &Feed<R, N>) -> [[R; M]; 3] {
+    /// The derivatives 2 to K + 1 of all modes while no mass is stuck or held.
+    #[inline(always)]
+    pub(super) fn bent<const K: usize>(&self, z: &Flown<R, M>, feed: &Feed<R, N>) -> [[R; M]; K] {
         let n = self.whole.count();
-        let next = |low: &[R], high: &[R]| -> [R; M] {
-            let mut bent = [R::ZERO; M];
-            for (j, bent) in bent[..n].iter_mut().enumerate() {
-                let damped = match &self.whole.damping {
-                    Damping::Separate(rates) => rates[j].value * high[j],
-                    Damping::Full(matrix) => {
-                        let row = matrix[j * n..(j + 1) * n].iter().zip(high);
-                        row.fold(R::ZERO, |sum, (element, v)| element.mul_add(*v, sum))
-                    }
-                };
-                *bent = -self.whole.stiffness[j].value.mul_add(low[j], damped);
-            }
-            for (spring, shape) in &self.whole.springs {
-                let both = shape.iter().zip(low);
-                let stretched = both.fold(R::ZERO, |sum, (phi, q)| phi.mul_add(*q, sum));
-                for (bent, phi) in bent.iter_mut().zip(shape) {
-                    *bent -= *spring * stretched * *phi;
+        let [(q, v), _] = z.parts(2 * n).map(|part| part.split_at(n));
+        let mut all = [[R::ZERO; M]; K];
+        for order in 0..K {
+            let mut bent = match order {
+                0 => self.accelerated(q, v),
+                1 => self.accelerated(v, &all[0]),
+                _ => self.accelerated(&all[order - 2], &all[order - 1]),
+            };
+            let pulled = feed.pulls.iter().enumerate();
+            for (k, pull) in pulled.filter(|(_, pull)| order == 0 && pull.value != 0.0) {
+                let weight = self.masses[k].mass_ratio * pull.value;
+                for (bent, phi) in bent.iter_mut().zip(self.gap_shape(k)) {
+                    *bent = phi.mul_add(weight, *bent);
                 }
             }
-            bent
-        };
-        let [(q, v), _] = z.parts(2 * n).map(|part| part.split_at(n));
-        let mut second = next(q, v);
-        for (k, pull) in pulls.iter().enumerate().filter(|(_, pull)| pull.value != 0.0) {
-            let weight = self.masses[k].mass_ratio * pull.value;
-            for (bent, phi) in second.iter_mut().zip(self.gap_shape(k)) {
-                *bent = phi.mul_add(weight, *bent);
-            }
+            self.push_by(&feed.waves, order, &mut bent);
+            all[order] = bent;
         }
-        self.push_by(waves, 0, &mut second);
-        let mut third = next(v, &second);
-        self.push_by(waves, 1, &mut third);
-        let mut fourth = next(&second, &third);
-        self.push_by(waves, 2, &mut fourth);
-        [second, third, fourth]
+        all
     }
 
-    /// Adds what a derivative of the drive, of order 2 at most, is to the modes.
+    /// What springs and dampers make of a derivative of all q and of the next one.
+    #[inline(always)]
+    fn accelerated(&self, low: &[R], high: &[R]) -> [R; M] {
+        let n = self.whole.count();
+        let mut bent = [R::ZERO; M];
+        for (j, bent) in bent[..n].iter_mut().enumerate() {
+            let damped = match &self.whole.damping {
+                Damping::Separate(rates) => rates[j].value * high[j],
+                Damping::Full(matrix) => {
+                    let row = matrix[j * n..(j + 1) * n].iter().zip(high);
+                    row.fold(R::ZERO, |sum, (element, v)| element.mul_add(*v, sum))
+                }
+            };
+            *bent = -self.whole.stiffness[j].value.mul_add(low[j], damped);
+        }
+        for (spring, shape) in &self.whole.springs {
+            let both = shape.iter().zip(low);
+            let stretched = both.fold(R::ZERO, |sum, (phi, q)| phi.mul_add(*q, sum));
+            for (bent, phi) in bent.iter_mut().zip(shape) {
+                *bent -= *spring * stretched * *phi;
+            }
+        }
+        bent
+    }
+
+    /// Adds what a derivative of the drive is to the modes.
     fn push_by(&self, waves: &[[DoubleDouble<R>; 2]; MOST_WAVES], order: usize, bent: &mut [R; M]) {
         let harmonics = self.host.force().map_or(&[][..], Force::harmonics);
         for (harmonic, [cosine, sine]) in harmonics.iter().zip(waves) {
-            let w = harmonic.frequency;
-            let size = [cosine.value, w * sine.value, -(w * w) * cosine.value][order];
-            let shape = match harmonic.acts {
-                Acts::Primary => self.whole.shape(self.pushed),
-                Acts::Base => self.whole.participation().unwrap_or(&[]),
+            let turned = [cosine.value, sine.value, -cosine.value, -sine.value][order % 4];
+            let size = (0..order).fold(turned, |size, _| size * harmonic.frequency);
+            let (shape, size) = match harmonic.acts {
+                Acts::Primary => (self.whole.shape(self.pushed), size),
+                Acts::Base => (self.whole.participation().unwrap_or(&[]), -size),
             };
-            let size = if harmonic.acts == Acts::Base { -size } else { size };
             for (bent, part) in bent.iter_mut().zip(shape) {
                 *bent = part.mul_add(size, *bent);
             }
         }
+    }
+
+    /// True if speeds and accelerations at both ends of a free flight prove that the point which a run sees does not turn in it.
+    pub(super) fn never_turns(&self, [from, to]: [&ModalState<H, N, M>; 2], length: R) -> bool {
+        let driven = self.host.force().is_some_and(Force::lasts);
+        if !R::FAST_PATHS || driven || from.places[..self.count].iter().any(Place::carried) {
+            return false;
+        }
+        let (n, shape, feed) = (self.whole.count(), self.whole.shape(self.seen), self.feed(from));
+        let [begin, end] = [from, to].map(|state| Flown::of(&state.modes, n));
+        let bent = self.bent::<4>(&begin, &feed);
+        let [later] = self.bent::<1>(&end, &feed);
+        let at = |z: &Flown<R, M>, second: &[R; M]| {
+            let [(_, v), _] = z.parts(2 * n).map(|part| part.split_at(n));
+            summed(n, |j| {
+                let [rate, bend] = [shape[j] * v[j], shape[j] * second[j]];
+                [rate, bend, bend.abs().mul_add(length, rate.abs())]
+            })
+        };
+        let [[speed, bend, size], [last, last_bend, last_size]] =
+            [at(&begin, &bent[0]), at(&end, &later)];
+        let sign = speed.signum();
+        let ends = [[speed, bend], [last, last_bend]].map(|end| end.map(|it| sign * it));
+        let followed = Followed { shape, with_base: false, constant: DoubleDouble::ZERO };
+        let stuck = self.regime(&from.places).stuck;
+        let fifth = self.bound(|j| [bent[2][j], bent[3][j]], stuck, followed, 4, length);
+        keeps_pressing(ends, size + last_size, fifth, length)
     }
 
     /// What feeds the structure from a state on.
@@ -156,7 +192,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         feed: &Feed<R, N>,
         length: R,
     ) -> [[R; N]; 2] {
-        let derivatives = self.bent(z, feed);
+        let derivatives = self.bent::<3>(z, feed);
         let free = self.regime(&[Place::FAR; N]).stuck;
         let bound = |k: usize, n: usize| {
             let of = |j: usize| [derivatives[n - 2][j], derivatives[n - 1][j]];

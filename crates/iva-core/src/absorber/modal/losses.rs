@@ -1,19 +1,45 @@
 //! What a motion loses and gains: integrals of the products of polynomials.
 
 use super::ModalMotion;
+use super::propagator::Flown;
+use super::state::Place;
 use super::structure::Damping;
+use crate::force::Force;
 use crate::host::Host;
 use crate::number::real::Real;
 use crate::segment::flight::Losses;
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row};
 
+/// Lengths that differ by so many units of 2⁻⁵² are the same but for rounding.
+const SAME_ULPS: f64 = 16.0;
+
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// The losses of the first part of the motion, of length h.
     pub(super) fn lost(&self, h: R) -> Losses<R> {
+        if let Some([all, gaps]) = self.lost_in_leap(h) {
+            return Losses { viscous: all - gaps, pivot: gaps, work: R::ZERO };
+        }
         let rates = self.velocities();
         let gaps = self.lost_in_gaps(&rates, h);
         Losses { viscous: self.viscous(&rates, h) - gaps, pivot: gaps, work: self.work(&rates, h) }
+    }
+
+    /// The losses in all dampers and in the gaps, where the motion is a shortest leap that nothing drives or pulls.
+    fn lost_in_leap(&self, h: R) -> Option<[R; 2]> {
+        let Self { system, from, .. } = self;
+        let driven = system.host.force().is_some_and(Force::lasts);
+        if !R::FAST_PATHS || driven || from.places[..system.count].iter().any(Place::carried) {
+            return None;
+        }
+        let leaps = system.leaps()?;
+        let near = (h - leaps.shortest).abs() <= leaps.shortest * (R::EPSILON * SAME_ULPS);
+        if !near || system.regime(&from.places).pulls.iter().any(|pull| pull.value != 0.0) {
+            return None;
+        }
+        let forms = leaps.forms.get_or_init(|| system.forms(leaps.shortest));
+        let n = system.whole.count();
+        Some(forms.lost(n, &Flown::of(&from.modes, n)))
     }
 
     /// q̇ of all modes as polynomials in t.

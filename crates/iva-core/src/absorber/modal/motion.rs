@@ -12,7 +12,7 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear_by};
 use crate::segment::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Seen, Side, Travel,
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Seen, Side, Travel, Turns,
 };
 use crate::segment::taylor::{ORDER, Row, horner};
 
@@ -330,6 +330,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             )
         }?;
         Some((h, side))
+    }
+
+    fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        let never = self.system.never_turns([&self.from, end], length);
+        if never { Turns::Never } else { Turns::Unknown }
     }
 
     fn primary(&self, h: R) -> Jet<R> {

@@ -2,7 +2,10 @@
 //! products with a state.
 
 use super::Modal;
+use std::sync::OnceLock;
+
 use super::equations::{Pushed, Regime};
+use super::forms::Forms;
 use super::series::EXACT;
 use super::state::{Modes, Place};
 use crate::absorber::Clock;
@@ -26,6 +29,8 @@ pub(super) const MOST_WAVES: usize = 4;
 pub(super) struct Leaps<R> {
     pub shortest: R,
     pub levels: Vec<Propagator<R>>,
+    /// Made when losses are first asked for.
+    pub forms: OnceLock<Forms<R>>,
 }
 
 /// Φ of one length, high and low parts: column by column, or, of separate modes, its four diagonals.
@@ -301,7 +306,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             levels.push(next);
             length *= 2.0;
         }
-        Leaps { shortest, levels }
+        Leaps { shortest, levels, forms: OnceLock::new() }
     }
 
     /// Φ of one length from power series of the unit vectors.
@@ -321,17 +326,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         };
         let mut still = [[DoubleDouble::ZERO; 3]; ORDER + 1];
         still[0][2] = DoubleDouble::new(R::ONE);
-        for column in 0..columns {
-            let mut modes = Modes::REST;
-            for j in 0..n {
-                let [q, v] = if separate {
-                    [column == 0, column == 1]
-                } else {
-                    [column == j, column == n + j]
-                };
-                let one = |which: bool| DoubleDouble::new(if which { R::ONE } else { R::ZERO });
-                (modes.places[j], modes.velocities[j]) = (one(q), one(v));
-            }
+        for (column, modes) in units(n, separate).enumerate() {
             let ends = ends(&modes, &free, &still);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
@@ -390,6 +385,22 @@ fn twice<R: Real>(row: &[DoubleDouble<R>], length: R, unit: R) -> [DoubleDouble<
         way = way.times(t) + once * <DoubleDouble<R> as Number>::reciprocal(m + 2);
     }
     [way.times(length).times(length), rate.times(length)]
+}
+
+/// The unit vectors of z. Separate modes take one each at once: all q, then all q̇.
+pub(super) fn units<R: Real, const M: usize>(
+    n: usize,
+    separate: bool,
+) -> impl Iterator<Item = Modes<R, M>> {
+    (0..if separate { 2 } else { 2 * n }).map(move |column| {
+        let mut modes = Modes::REST;
+        for j in 0..n {
+            let [q, v] = if separate { [0, 1] } else { [j, n + j] };
+            let one = |place| DoubleDouble::new(if column == place { R::ONE } else { R::ZERO });
+            (modes.places[j], modes.velocities[j]) = (one(q), one(v));
+        }
+        modes
+    })
 }
 
 /// All q, then all q̇.
