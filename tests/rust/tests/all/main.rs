@@ -15,6 +15,7 @@ mod continued;
 mod decisions;
 mod diagram;
 mod driven_lanes;
+mod driven_leaps;
 mod driven_pendulums;
 mod errors;
 mod every_field;

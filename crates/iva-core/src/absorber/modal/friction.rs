@@ -56,6 +56,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ///
     /// What one of them does changes A of all others. The forces are those of a linear complementarity problem with a positive
     /// definite matrix, as those of impacts (`modal/impact_law.rs`), and the first mass that breaks its rule is changed until none does.
+    /// Where that does not end the state is no number.
     pub(super) fn settled(&self, state: &ModalState<H, N, M>) -> ModalState<H, N, M> {
         let rests = |k: &usize| {
             let place = &state.places[*k];
@@ -71,12 +72,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 .filter(rests)
                 .find_map(|k| self.broken(&now, k).map(|sliding| (k, sliding)))
             else {
-                break;
+                return now;
             };
             now = now.renewed();
             now.places[k].sliding = sliding;
             now.places[k].held = sliding == 0.0;
         }
+        // Not found in more changes than there are states: the run ends as not finite, rather than with any of them.
+        now.modes.places[0] = DoubleDouble::new(R::NAN);
         now
     }
 
