@@ -78,7 +78,6 @@ observed! {
     Piva<DrivenHost>,
     Several<UndrivenHost>,
     Several<DrivenHost>,
-    Mixed<UndrivenHost>,
     Mixed<DrivenHost>,
     Modal<DrivenHost>,
     FewModes<DrivenHost>,

@@ -60,11 +60,8 @@ pub(super) fn scene<R: Real>(
     system.check_start(&start).map_err(|error| of_owner(given, error))?;
     let gravity =
         if gravities.contains(&None) { None } else { gravities.into_iter().flatten().next() };
-    if Scene::undriven(&force) {
-        return Ok(Scene::Mixed(Box::new(Mounted { system, start, gravity })));
-    }
     let system = system.under(force);
-    Ok(Scene::DrivenMixed(Box::new(Mounted { system, start, gravity })))
+    Ok(Scene::Mixed(Box::new(Mounted { system, start, gravity })))
 }
 
 /// One unit of a pendulum, and the acceleration of gravity if its length is known.

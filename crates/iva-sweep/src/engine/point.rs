@@ -285,7 +285,6 @@ observes_any! {
     Siva<DrivenHost<R>>,
     Several<UndrivenHost<R>>,
     Several<DrivenHost<R>>,
-    Mixed<UndrivenHost<R>>,
     Mixed<DrivenHost<R>>,
     Sliding<R>,
     Modal<DrivenHost<R>>,

@@ -42,10 +42,8 @@ pub enum Scene<R: Real = f64> {
     Several(Box<Mounted<Several<UndrivenHost<R>>>>),
     /// Several free masses under force.
     DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
-    /// Free masses and pendulums on one structure in free decay.
-    Mixed(Box<Mounted<Mixed<UndrivenHost<R>>>>),
-    /// Free masses and pendulums on one structure under force.
-    DrivenMixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
+    /// Free masses and pendulums on one structure, under force or in free decay.
+    Mixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
     /// Free masses on a structure with several modes, or tied to their points, or with weight in a list; under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// The same with few masses and modes, in doubles.
@@ -70,8 +68,7 @@ macro_rules! with_system {
             Scene::Several($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenSeveral($mounted) if EVERY_SCENE => $body,
             Scene::Sliding($mounted) if EVERY_SCENE => $body,
-            Scene::Mixed($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
-            Scene::DrivenMixed($mounted) if EVERY_SCENE => $body,
+            Scene::Mixed($mounted) if EVERY_SCENE => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
             Scene::FewModes($mounted) if EVERY_SCENE && R::FAST_PATHS => $body,
             Scene::Alone($mounted) => $body,
@@ -173,14 +170,13 @@ impl<R: Real> Scene<R> {
     pub fn pendulum_of(&self, absorber: usize) -> Option<&piva::Parameters<R>> {
         match self {
             Scene::Mixed(it) => Some(it.system.pendulum(absorber)?.parameters()),
-            Scene::DrivenMixed(it) => Some(it.system.pendulum(absorber)?.parameters()),
             _ => self.pendulum(),
         }
     }
 
     /// True if a list has a pendulum.
     pub fn is_mixed(&self) -> bool {
-        matches!(self, Scene::Mixed(_) | Scene::DrivenMixed(_))
+        matches!(self, Scene::Mixed(_))
     }
 
     /// True if the structure is given by its modes or matrices.

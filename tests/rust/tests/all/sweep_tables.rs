@@ -349,7 +349,6 @@ fn work_of(study: &Study) -> u64 {
         Scene::Several(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenSeveral(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Mixed(it) => tally(&it.system, &it.start, &design.limits),
-        Scene::DrivenMixed(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Modal(it) => tally(&it.system, &it.start, &design.limits),
         Scene::FewModes(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Alone(it) => tally(&it.system, &it.start, &design.limits),
