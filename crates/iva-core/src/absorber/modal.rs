@@ -31,7 +31,7 @@
 //! time derivative obeys the same equations: the n-th is bounded by Λⁿ, Λ = ‖D‖/2 + √(‖D‖²/4 + max ω²). A motion is
 //! no longer than 1/Λ, so that the terms left out are below 1/21! = 2 · 10⁻²⁰ of the size of the motion. The
 //! terms that matter to rounding are in double-double. A structure with very fast modes takes many short motions, but
-//! where it is undriven and no wall is near.
+//! where no wall is near (`modal/leaps.rs`).
 //!
 //! **Bounds** that the search for contacts needs are those of the energies of derivatives: for separate modes
 //! Σ |φⱼ| √((qⱼ⁽ⁿ⁺¹⁾)² + ωⱼ²(qⱼ⁽ⁿ⁾)²) bounds the derivative n + 1 of u from an instant on; where modes exchange energy
@@ -95,7 +95,7 @@ pub const MOST_MODES: usize = 40;
 /// Room for masses and for modes in systems of few.
 pub const FEW: usize = 4;
 
-/// Few masses on a structure of few modes: every step copies the whole state, which is a quarter as large.
+/// Few masses on a structure of few modes: every step copies the whole state, which is a quarter of that of [`Modal`] as it stands.
 pub type FewModes<H> = Modal<H, FEW, FEW>;
 
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.

@@ -1,7 +1,7 @@
 //! The event loop: flight → contact → impact → chatter or stick → release.
 //!
 //! With friction a flight also ends where the absorber stops in its gap, from where it slides back or is held for a while
-//! (`engine/simulate/slide.rs`).
+//! (`engine/simulate/slide.rs`). A run with one absorber goes on by `fly` and `ride`, one with several by `move_together` (`engine/simulate/together.rs`).
 //!
 //! It knows the absorber only as an [`Absorber`] and its observers only as an [`Observer`].
 

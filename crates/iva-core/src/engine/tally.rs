@@ -28,7 +28,7 @@ pub struct Tally<State, R = f64> {
     pub friction: Rubbed<R>,
     /// Instant at which the run ended, in 1/ωn.
     pub end_time: R,
-    /// Number of segments of flight and stick episode computed, and of impulses; steps of a coast do not count.
+    /// Number of segments of flight and stick episode computed, and of impulses; steps of a coast count where they are leaps of a system with modes, else not.
     pub work: u64,
     /// The last state.
     pub state: State,

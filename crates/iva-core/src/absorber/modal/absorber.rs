@@ -16,7 +16,7 @@ use crate::segment::slide::Slide;
 const RELEASED_ULPS: f64 = 16.0;
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// True if the fastest mode does nothing to a chatter of this length that is not rounding: an impulse changes the
+    /// True if a chatter of this length is so short that even the fastest mode changes it by less than rounding: an impulse changes the
     /// derivatives of the pressure by its stiffness, which the sum of a chatter leaves out, and the structure moves in
     /// it as if the mass were stuck but for terms of the same order.
     fn is_sudden(&self, time: R) -> bool {

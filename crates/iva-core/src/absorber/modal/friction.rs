@@ -38,7 +38,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         DoubleDouble::new(self.gravity[k]).plus(self.rubbing(k, place))
     }
 
-    /// The place of a mass that slides as it moves, or would slide off its wall.
+    /// The place with the sign of its slide: that of the gap velocity, or at a wall that of the way off it.
     pub(super) fn directed(&self, k: usize, place: &Place<R>) -> Place<R> {
         if self.friction[k] == 0.0 || place.stuck {
             return *place;
@@ -83,7 +83,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         now
     }
 
-    /// How a mass at rest in its gap goes on instead, if not as it is said to: the sign of its slide, 0 if it is held.
+    /// With which sign a mass at rest in its gap has to slide, 0 if it has to be held, where what is said of it contradicts A; else `None`.
     fn broken(&self, state: &ModalState<H, N, M>, k: usize) -> Option<R> {
         let Place { held, sliding, .. } = state.places[k];
         let [a, jerk, ..] = self.shaken(state, k);

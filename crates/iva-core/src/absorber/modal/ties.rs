@@ -7,8 +7,8 @@
 //! y = −φᵀq,    φ = (φ of the point, …, −1/√μ, …),    K gains k φφᵀ,    D gains c φφᵀ.
 //! ```
 //!
-//! With this shape of the gap the mass is one among others, in the limit of an infinite mass that rests: its 1/μ is 0 in the
-//! impact law and while it is stuck, and gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
+//! Its inertia is in the coordinate p already. So the formulas of masses without ties hold with this shape of the gap in place of φ, and with 0 in place of
+//! 1/μ in the impact law and while it is stuck, or else it would be counted twice; gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
 //! presses on that as any other mass does, less what the spring pulls: the dashpot is at rest.
 
 use super::Modal;
