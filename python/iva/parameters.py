@@ -385,6 +385,9 @@ class Siva(Part):
     friction : float, optional
         Coefficient k ≥ 0 of Coulomb friction between the mass and its way, 0 by default: its slides
         are decelerated by k g cos α, and it is held where that is enough.
+    static_friction : float, optional
+        Coefficient of friction of a mass at rest, k at least (the default): it is held where that
+        times g cos α is enough, and slides off with a jump of its acceleration.
     spring : float, optional
         Stiffness k ≥ 0 in N/m of a linear spring between the mass and the structure, slack at y = 0
         wherever the stops are; 0, no spring, by default; of all units together. With it the mass is
@@ -451,6 +454,7 @@ class Siva(Part):
     units: float | None = None
     clearance_spread: float | None = None
     friction: float | None = None
+    static_friction: float | None = None
     gap_damping: float | None = None
     gap_damping_ratio: float | None = None
     spring: float | None = None

@@ -8,10 +8,11 @@ use iva_sweep::units::UnitSystem;
 use crate::json::{self, list, object, text};
 
 /// Fields of scenes that are not simulated here.
-const ELSEWHERE: [FieldId; 7] = [
+const ELSEWHERE: [FieldId; 8] = [
     FieldId::Units,
     FieldId::ClearanceSpread,
     FieldId::Friction,
+    FieldId::StaticFriction,
     FieldId::GapDamping,
     FieldId::GapDampingRatio,
     FieldId::StartImpulse,

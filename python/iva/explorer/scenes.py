@@ -15,6 +15,7 @@ NO_SPRING = "the explorer takes no spring in the gap; leave it out"
 REFUSED: dict[str, tuple[float | None, str]] = {
     "absorber.units": (1.0, "the explorer shows one absorber of one unit; leave it out"),
     "absorber.friction": (0.0, "the explorer takes none; leave it out"),
+    "absorber.static_friction": (0.0, "the explorer takes no friction; leave it out"),
     "absorber.spring": (0.0, NO_SPRING),
     "absorber.gap_damping": (0.0, "the explorer takes no dashpot; leave it out"),
     "absorber.gap_damping_ratio": (0.0, "the explorer takes no dashpot; leave it out"),

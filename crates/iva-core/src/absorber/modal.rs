@@ -14,7 +14,7 @@
 //! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
 //! | kₖ, cₖ | spring and dashpot between mass and point | [`Tie`], [`Modal::with_ties`] |
 //! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
-//! | Rₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ | [`Modal::with_friction`] |
+//! | Rₖ, Rₛₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ; the largest at rest | [`Modal::with_friction`], [`Modal::with_static_friction`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
 //! the unit 1, and one mode with ω = 1 and φ = 1 is the structure of [`crate::absorber::several`].
@@ -129,6 +129,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     gravity: [H::Real; N],
     /// The deceleration R of each mass that slides, by friction.
     friction: [H::Real; N],
+    /// The largest deceleration Rₛ ≥ R that friction gives each mass at rest.
+    static_friction: [H::Real; N],
     /// What a set of stuck or held masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
     /// Longest motion, if the drive stays smooth.
@@ -201,6 +203,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             tied: std::array::from_fn(|_| None),
             gravity: [R::ZERO; N],
             friction: [R::ZERO; N],
+            static_friction: [R::ZERO; N],
             stuck: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
@@ -223,7 +226,28 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             }
             *own = *given;
         }
+        self.static_friction = self.friction;
         self.leaps = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The same masses, each of which friction holds at rest up to Rₛ, an acceleration: as large as that of a slide, or larger.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a number smaller than the deceleration of a slide or out of [`crate::range`], for one without friction, and for numbers that are not as many as masses.
+    pub fn with_static_friction(mut self, static_friction: &[R]) -> Result<Self, Invalid> {
+        structure::same("absorber.static_friction", static_friction.len(), self.count)?;
+        let all = self.static_friction.iter_mut().zip(&self.friction).zip(static_friction);
+        for (k, ((own, sliding), given)) in all.enumerate() {
+            let field = format!("absorber.{k}.static_friction");
+            range::size(&field, *given)?;
+            if *given < *sliding || (*given > 0.0 && *sliding == 0.0) {
+                let value = crate::error::number(given.double());
+                let rule = "give friction too, and at least as much at rest as in a slide";
+                return Err(Invalid::new(field, value, rule));
+            }
+            *own = *given;
+        }
         Ok(self)
     }
 
@@ -275,6 +299,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             tied: self.tied.clone(),
             gravity: self.gravity,
             friction: self.friction,
+            static_friction: self.static_friction,
             stuck: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),

@@ -321,6 +321,6 @@ impl<R: Real> Absorber for Sliding<R> {
         let side = state.seen.side;
         let seen = self.seen_by(side, &state.seen);
         let Jet { curvature, jerk, .. } = self.going(side).distance(&seen);
-        Some(Back { pressure: -curvature, jerk })
+        Some(Back { pressure: -curvature, jerk, spare: -curvature })
     }
 }

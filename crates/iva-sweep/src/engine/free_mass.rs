@@ -17,12 +17,14 @@ pub(crate) struct Weight<R = f64> {
     pub along: R,
     /// The deceleration k g cos α by friction, in natural units; `None` without.
     pub friction: Option<R>,
+    /// The same at rest; `None` if it is not larger.
+    pub static_friction: Option<R>,
 }
 
 /// The weight of the mass; `None` where it does nothing: the motion is level and has no friction.
 ///
 /// # Errors
-/// [`Invalid`] for gravity without inclination and friction, or one of these without gravity.
+/// [`Invalid`] for gravity without inclination and friction, or one of these without gravity, and for less friction at rest than in a slide.
 pub(crate) fn weight<R: Real>(
     given: &Given<'_, R>,
     scale: &Scale<R>,
@@ -35,6 +37,7 @@ pub(crate) fn weight<R: Real>(
         .or_else(|| given.get(FieldId::InclinationDeg).map(|degrees| degree.times(degrees)));
     let gravity = given.get(FieldId::Gravity);
     let coefficient = given.get(FieldId::Friction);
+    let at_rest = at_rest(given)?;
     if let (None, None, Some(gravity)) = (angle, coefficient, gravity) {
         return Err(Invalid::new(
             given.path(FieldId::Gravity),
@@ -59,7 +62,24 @@ pub(crate) fn weight<R: Real>(
     let omega = scale.natural_frequency;
     let along = if angle.value == 0.0 { R::ZERO } else { sine.value * gravity / (omega * omega) };
     let pressing = cosine.value * gravity / (omega * omega);
-    Ok(Some(Weight { gravity, along, friction: coefficient.map(|it| it * pressing) }))
+    let [friction, static_friction] = [coefficient, at_rest].map(|it| it.map(|it| it * pressing));
+    Ok(Some(Weight { gravity, along, friction, static_friction }))
+}
+
+/// The coefficient of friction at rest, if it is larger than that of a slide.
+///
+/// # Errors
+/// [`Invalid`] if it is smaller.
+pub(super) fn at_rest<R: Real>(given: &Given<'_, R>) -> Result<Option<R>, Invalid> {
+    let sliding = given.get(FieldId::Friction).unwrap_or(R::ZERO);
+    let Some(at_rest) = given.get(FieldId::StaticFriction) else { return Ok(None) };
+    let rule = match sliding {
+        _ if at_rest == sliding => return Ok(None),
+        none if none == 0.0 => "give friction too, that of a slide".to_owned(),
+        _ if at_rest > sliding => return Ok(Some(at_rest)),
+        _ => format!("give at least friction, which is {}", number(sliding)),
+    };
+    Err(Invalid::new(given.path(FieldId::StaticFriction), number(at_rest), rule))
 }
 
 /// The inclination or the friction of an absorber, where weight does something to it.

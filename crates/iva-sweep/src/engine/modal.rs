@@ -60,14 +60,16 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// and in a list an inclination or friction.
+/// more friction at rest than in a slide, and in a list an inclination or friction.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     ties::given(given).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
         let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
-        let mut masses = masses.filter(|own| several && own.choices().kind == Kind::Siva);
+        let mut masses = masses.filter(|own| own.choices().kind == Kind::Siva);
         masses.find_map(|own| {
-            let (field, value) = free_mass::weighs(&own)?;
+            let at_rest = || Some((FieldId::StaticFriction, free_mass::at_rest(&own).ok()??));
+            let (field, value) =
+                if several { free_mass::weighs(&own).or_else(at_rest) } else { at_rest() }?;
             Some((own.path(field), value.double()))
         })
     })
@@ -98,6 +100,7 @@ struct Riding<'a, R> {
     ties: Vec<Tie<R>>,
     along: Vec<R>,
     friction: Vec<R>,
+    static_friction: Vec<R>,
     /// In the user's unit, where it acts along a line of motion; `None` also where it is not the same for all.
     gravity: Option<R>,
 }
@@ -110,6 +113,7 @@ impl<'a, R: Real> Riding<'a, R> {
             ties: vec![],
             along: vec![],
             friction: vec![],
+            static_friction: vec![],
             gravity: None,
         }
     }
@@ -131,7 +135,10 @@ impl<'a, R: Real> Riding<'a, R> {
             all.gaps.push(gap);
             all.ties.push(Tie { spring: spring * share, damping: damping * share });
             all.along.push(weight.map_or(R::ZERO, |weight| weight.along));
-            all.friction.push(weight.and_then(|weight| weight.friction).unwrap_or(R::ZERO));
+            let friction = weight.and_then(|weight| weight.friction).unwrap_or(R::ZERO);
+            let at_rest = weight.and_then(|weight| weight.static_friction);
+            all.friction.push(friction);
+            all.static_friction.push(at_rest.unwrap_or(friction));
             gravities.extend(weight.map(|weight| weight.gravity));
             Ok(())
         })?;
@@ -168,12 +175,13 @@ fn with_room<R: Real, const N: usize, const M: usize>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Mounted<Modal<DrivenHost<R>, N, M>>, Invalid> {
-    let Riding { masses, gaps, ties, along, friction, gravity } = riding;
+    let Riding { masses, gaps, ties, along, friction, static_friction, gravity } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
     let system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
+    let system = system.with_static_friction(&static_friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
     let system = system.under(force, pushed).map_err(named)?;
     Ok(Mounted { system, start, gravity })

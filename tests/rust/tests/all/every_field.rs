@@ -82,6 +82,9 @@ pub(crate) fn complete(spec: &mut Spec, field: FieldId) {
     if field == FieldId::RestitutionExponent && spec.choices().kind == Kind::Siva {
         spec.set(FieldId::ReferenceSpeed, 0.5).unwrap();
     }
+    if field == FieldId::StaticFriction {
+        spec.set(FieldId::Friction, 0.1).unwrap();
+    }
 }
 
 /// A typical value of a field for these scenes.
@@ -101,6 +104,7 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::ReferenceSpeed => 0.5,
         F::RestitutionExponent => 0.2,
         F::YieldSpeed | F::ClearanceSpread | F::Friction => 0.1,
+        F::StaticFriction => 0.15,
         F::GapDamping => 20.0,
         F::Spring => 600.0,
         F::GapDampingRatio => 0.003,

@@ -65,6 +65,7 @@ mod several_reference;
 mod side_by_side;
 mod speed_law;
 mod starts_at_jumps;
+mod static_friction;
 mod steady;
 mod stick_branches;
 mod stress;

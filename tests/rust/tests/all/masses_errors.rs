@@ -50,7 +50,10 @@ impl OnModes {
         let system = Modal::new(structure, at).unwrap().with_ties(&ties(&tied)).unwrap();
         let system = system.with_gravity(&[R::from(0.1 * one), R::from(0.2 * other)]).unwrap();
         let friction = if self.seed % 4 == 3 { 0.02 } else { 0.0 };
-        system.with_friction(&[R::from(friction), R::ZERO]).unwrap()
+        let system = system.with_friction(&[R::from(friction), R::ZERO]).unwrap();
+        // Every other one that rubs is held by more than decelerates it.
+        let at_rest = if self.seed % 8 == 7 { 3.0 * friction } else { friction };
+        system.with_static_friction(&[R::from(at_rest), R::ZERO]).unwrap()
     }
 
     fn begin<R: Real>(start: &[R]) -> ModalStart<R, MASSES> {

@@ -33,6 +33,8 @@ pub struct Back<R = f64> {
     pub pressure: R,
     /// K = D⃛ on the way back.
     pub jerk: R,
+    /// By how much the pressure exceeds what holds the absorber at its highest point: Q without more friction at rest than in a slide.
+    pub spare: R,
 }
 
 impl<R: Real> Back<R> {
@@ -44,7 +46,7 @@ impl<R: Real> Back<R> {
     /// Duration of the tail to second order.
     pub(super) fn tail(&self, rebound: &Rebound<R>) -> R {
         let Rebound { speed: u, pressure: p, jerk: j, gain, ratio, .. } = *rebound;
-        let Self { pressure: q, jerk: k } = *self;
+        let Self { pressure: q, jerk: k, .. } = *self;
         let one = R::ONE;
         let r = self.slower(rebound);
         let (rho, root) = (ratio * r, (p * q).sqrt());
@@ -68,7 +70,7 @@ impl<R: Real> Back<R> {
         let Rebound { speed: u, pressure: p, jerk: j, gain, fourth, ratio, spread, .. } = *rebound;
         let q = self.pressure;
         let r = self.slower(rebound);
-        let least = p.min(q);
+        let least = p.min(q).min(self.spare);
         let each = u / p + u / (p * q).sqrt();
         let later = R::ONE / (R::ONE - ratio * r);
         let jerk = R::larger(j.abs(), self.jerk.abs());
@@ -79,7 +81,7 @@ impl<R: Real> Back<R> {
 
     /// True if the rebounds become ever lower in a ratio that is known.
     pub(super) fn may_end(&self, rebound: &Rebound<R>) -> bool {
-        let returns = self.pressure > 0.0 && rebound.pressure > 0.0;
+        let returns = self.spare > 0.0 && rebound.pressure > 0.0;
         returns && (rebound.ratio + rebound.spread) * self.slower(rebound) < 1.0
     }
 
@@ -88,7 +90,7 @@ impl<R: Real> Back<R> {
     pub(crate) fn longest(&self, rebound: &Rebound<R>) -> R {
         let Rebound { speed: u, pressure: p, .. } = *rebound;
         let r = self.slower(rebound);
-        if !(self.pressure > 0.0 && r < 1.0) {
+        if !(self.spare > 0.0 && r < 1.0) {
             return R::INFINITY;
         }
         (u / p + u / (p * self.pressure).sqrt()) * 2.0 / (R::ONE - r)
@@ -149,7 +151,7 @@ mod tests {
             (0.1, -0.3, -0.2, 0.3, 1.0, 1.0),
         ] {
             let seen = |speed: f64| {
-                let back = Back { pressure: q, jerk: k };
+                let back = Back { pressure: q, jerk: k, spare: q };
                 let rebound = Rebound {
                     speed,
                     pressure: 1.2,

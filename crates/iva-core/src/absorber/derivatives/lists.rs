@@ -51,6 +51,12 @@ pub trait DifferentiableList: Absorber<Real = f64> {
         None
     }
 
+    /// The derivative of the instant at which the absorber at hand has begun to slide in a state with respect to the state before, in which
+    /// these absorbers were carried; `None` where no rate jumps there.
+    fn slip_gradient(&self, _state: &Self::State, _carried: &[bool]) -> Option<DVector<f64>> {
+        None
+    }
+
     /// Error of y of an absorber per rounding of its position at a state: 1, or cosθ where it is computed from cosθ.
     fn sharpness(&self, _state: &Self::State, _absorber: usize) -> f64 {
         1.0

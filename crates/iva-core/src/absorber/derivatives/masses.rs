@@ -42,6 +42,10 @@ pub trait LinearMasses: Absorber<Real = f64> {
     fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
     /// q̇, then q̈, then ẏ and ÿ of each mass, while these masses are carried.
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
+    /// As [`DifferentiableList::slip_gradient`].
+    fn slip_gradient(&self, _state: &Self::State, _carried: &[bool]) -> Option<DVector<f64>> {
+        None
+    }
 }
 
 impl LinearStructure {
@@ -67,7 +71,7 @@ impl LinearStructure {
     }
 
     /// The indices of y and ẏ of a mass.
-    fn of(&self, mass: usize) -> [usize; 2] {
+    pub(in crate::absorber) fn of(&self, mass: usize) -> [usize; 2] {
         place(self.coordinates(), mass)
     }
 
@@ -86,6 +90,20 @@ impl LinearStructure {
             }
         }
         begin
+    }
+
+    /// The derivative of the acceleration of a point of this shape while these masses are carried.
+    pub(in crate::absorber) fn pull_on(
+        &self,
+        shape: &DVector<f64>,
+        carried: &[bool],
+    ) -> DVector<f64> {
+        let n = self.coordinates();
+        let felt = self.compliance(carried) * shape;
+        let mut gradient = DVector::zeros(self.variables());
+        gradient.rows_mut(0, n).copy_from(&(&self.stiffness * -&felt));
+        gradient.rows_mut(n, n).copy_from(&(&self.damping * -&felt));
+        gradient
     }
 
     /// The inverse of M′, by adding one mass after another (J. Sherman and W. J. Morrison, Ann. Math. Stat. 21, 1950).
@@ -298,6 +316,10 @@ impl<S: LinearMasses> DifferentiableList for S {
 
     fn stick_matrix(&self, state: &S::State, carried: &[bool]) -> DMatrix<f64> {
         self.linear().stick_matrix(self.at_hand(state), carried)
+    }
+
+    fn slip_gradient(&self, state: &S::State, carried: &[bool]) -> Option<DVector<f64>> {
+        LinearMasses::slip_gradient(self, state, carried)
     }
 
     fn tail(&self, after: &S::State) -> f64 {

@@ -159,7 +159,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let [mut curvature, jerk] = [a, jerk].map(|it| side * it);
         if stuck {
             // It would slide off its wall.
-            curvature -= self.friction[k];
+            curvature -= self.static_friction[k];
+        } else if distance.value == 0.0 && rate.value == 0.0 {
+            // At rest on its wall more friction holds it than in the slide that it would begin.
+            curvature -= self.static_friction[k] - self.friction[k];
         }
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
@@ -175,7 +178,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let met = place.measured_from(wall, mass);
         let acceleration = self.shaken(state, at_hand)[0];
         let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
-        let mut touching = self.moved(state, later, |k| k == at_hand);
+        let mut touching = self.moved(state, later, &|k| k == at_hand);
         for (k, place) in touching.places[..self.count].iter_mut().enumerate() {
             if k == at_hand {
                 let met = met.moved(later, acceleration);
@@ -199,27 +202,28 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         let (at_hand, _, place) = self.at_hand_of(state);
         let [a, jerk, snap, _] = self.shaken(state, at_hand).map(|it| -place.side * it);
-        let later = impact::delay(a + self.friction[at_hand], jerk, snap);
+        let later = impact::delay(a + self.static_friction[at_hand], jerk, snap);
         let leaves = |k: usize| {
             let side = state.places[k].side;
             let terms = || self.terms(state, k) * (R::EPSILON * RELEASED_ULPS);
             let ends = || {
                 let [a, jerk, ..] = self.shaken(state, k);
-                self.friction[k] - side * a <= terms() && side * jerk > 0.0
+                self.static_friction[k] - side * a <= terms() && side * jerk > 0.0
             };
             k == at_hand || (state.places[k].stuck && ends())
         };
         let leaves: [bool; N] = std::array::from_fn(|k| k < self.count && leaves(k));
-        let mut after = self.moved(state, later, |k| leaves[k]).renewed();
+        let mut after = self.moved(state, later, &|k| leaves[k]).renewed();
         for (place, leaves) in after.places.iter_mut().zip(leaves) {
             place.stuck &= !leaves;
         }
         for k in (0..N).filter(|k| leaves[*k]) {
             after.places[k] = self.directed(k, &after.places[k]);
         }
-        let shaken: [_; N] = std::array::from_fn(|k| leaves[k].then(|| self.shaken(&after, k)));
+        let shaken: [_; N] =
+            std::array::from_fn(|k| leaves[k].then(|| self.shaken_after(&after, k)));
         for (place, shaken) in after.places.iter_mut().zip(shaken) {
-            place.shaken = shaken.map(|[_, jerk, snap, crackle]| [R::ZERO, jerk, snap, crackle]);
+            place.shaken = shaken;
         }
         (self.settled(&after), later)
     }

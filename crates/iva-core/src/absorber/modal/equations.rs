@@ -11,7 +11,7 @@
 //! the root of twice the energy grows by |φ_f| |f| + (|Γ| + Σ √μ) |a_g| per time at most, for M′ ≥ I and
 //! M′ ≥ μ φφᵀ.
 
-use super::series::{ModalSeries, Series, Term, scaled};
+use super::series::{EXACT, ModalSeries, Series, Term, scaled};
 use super::state::Modes;
 use super::structure::Damping;
 use super::{Followed, MOST, Modal, ModalState};
@@ -19,7 +19,7 @@ use crate::force::Drive;
 use crate::host::{Host, Phase, Structure as _};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::Number;
+use crate::segment::taylor::{Number, ORDER};
 
 /// The longest motion in units of 1/Λ.
 pub(super) const LONGEST: f64 = 1.0;
@@ -127,6 +127,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
         }
         rows
+    }
+
+    /// The whole series under what feeds the modes in powers of t, not inlined: where it is computed beforehand.
+    #[inline(never)]
+    pub(super) fn series_fed(
+        &self,
+        modes: &Modes<R, M>,
+        regime: &Regime<'_, R, N>,
+        fed: &[Pushed<R>],
+        unit: R,
+    ) -> ModalSeries<R> {
+        self.series(modes, regime, |m| fed[m], unit, (ORDER, EXACT))
     }
 
     /// Computes the coefficients m + 2 from those before, with the coefficients m of f, a_g and gravity.
@@ -261,18 +273,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// A, as the curve of a mass is made of it, and its first three derivatives: the absolute acceleration of the structure at its
     /// point, with gravity and the spring.
+    #[inline]
     pub(super) fn shaken(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
+        state.places[k].shaken.unwrap_or_else(|| self.shaken_now(state, k))
+    }
+
+    /// The same, computed. In many places, so that one copy of it is enough.
+    #[inline(never)]
+    fn shaken_now(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
-        place.shaken.unwrap_or_else(|| {
-            let pushes = self.pushes(&state.phase, R::ONE);
-            // Of a mass in flight that does not rub A and its rate are enough.
-            let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
-            let regime = self.regime(&state.places);
-            let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (order, 3));
-            let followed = self.followed(k, place);
-            let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
-            [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
-        })
+        let pushes = self.pushes(&state.phase, R::ONE);
+        // Of a mass in flight that does not rub A and its rate are enough.
+        let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
+        let regime = self.regime(&state.places);
+        let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (order, 3));
+        let followed = self.followed(k, place);
+        let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
+        [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
     }
 
     /// −s A: the pressure on its wall per unit mass, if a mass is stuck.
@@ -343,7 +360,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// The size of the terms that are summed to A of a stuck mass.
     pub(super) fn terms(&self, state: &ModalState<H, N, M>, k: usize) -> R {
         let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
-        let mut sum = constant.value.abs() + self.gravity[k].abs() + self.friction[k];
+        let mut sum = constant.value.abs() + self.gravity[k].abs() + self.static_friction[k];
         for (l, mass) in self.masses().iter().enumerate() {
             let most = self.gravity[l].abs() + self.friction[l];
             sum += mass.mass_ratio * most * self.mobility[k][l].value.abs();
@@ -359,11 +376,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// A short time later: the modes and the drive, and all places but those that `chosen` changes.
+    #[inline(never)]
     pub(super) fn moved(
         &self,
         state: &ModalState<H, N, M>,
         time: R,
-        chosen: impl Fn(usize) -> bool,
+        chosen: &dyn Fn(usize) -> bool,
     ) -> ModalState<H, N, M> {
         if time == 0.0 {
             return *state;

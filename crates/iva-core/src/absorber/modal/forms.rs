@@ -6,7 +6,6 @@
 use super::Modal;
 use super::equations::Regime;
 use super::propagator::{Flown, units};
-use super::series::EXACT;
 use super::state::Place;
 use super::structure::Damping;
 use crate::host::Host;
@@ -55,14 +54,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let n = self.whole.count();
         let mut free = self.regime(&[Place::FAR; N]);
         free.pulls = [DoubleDouble::ZERO; N];
-        let still = |_: usize| [DoubleDouble::ZERO; 3];
+        let still = [[DoubleDouble::ZERO; 3]; ORDER + 1];
         let unit = R::power_of_two(length);
         let instants: [R; NODES] =
             std::array::from_fn(|g| node::<R, NODES>(g, [R::ZERO, length / unit]));
         let weights: [R; NODES] = std::array::from_fn(|g| weight::<R, NODES>(g) * length);
         // Of each unit vector all q̇ at all nodes.
         let flown = |regime: &Regime<'_, R, N>, modes| {
-            let rows = self.series(&modes, regime, still, unit, (ORDER, EXACT));
+            let rows = self.series_fed(&modes, regime, &still, unit);
             instants.map(|t| rows.modes::<M>(t, unit).velocities.map(|v| v.value))
         };
         let separate = self.whole.is_separate();

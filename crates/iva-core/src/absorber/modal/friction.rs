@@ -1,8 +1,9 @@
 //! Coulomb friction of masses in their gaps.
 //!
 //! A mass that slides with the sign s of its gap velocity is decelerated by R, and pulls its point along with s μ R: gravity G + s R in
-//! place of G (`modal/equations.rs`). One at rest in its gap moves with its point, as one that is stuck does, while |A| ≤ R, with
-//! A = ü + a_g + G + k y/μ. On a wall it is stuck while −s A + R ≥ 0: the wall pushes only, and friction carries R at most.
+//! place of G (`modal/equations.rs`). One at rest in its gap moves with its point, as one that is stuck does, while |A| ≤ Rₛ, with
+//! A = ü + a_g + G + k y/μ and Rₛ ≥ R. On a wall it is stuck while −s A + Rₛ ≥ 0: the wall pushes only, and friction carries Rₛ at most.
+//! Where Rₛ > R a slide begins with a jump of the acceleration. Between R and Rₛ a mass may slide or be held: it goes on as it is.
 //!
 //! Friction is finite, so a blow carries no mass that friction holds: it slides from then on. Each beginning, turn and end of a slide
 //! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
@@ -89,7 +90,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let [a, jerk, ..] = self.shaken(state, k);
         if held {
             let over = |s: R| {
-                let left = s.mul_add(a, self.friction[k]);
+                let left = s.mul_add(a, self.static_friction[k]);
                 left < 0.0 || (left == 0.0 && s * jerk < 0.0)
             };
             return [R::ONE, -R::ONE].into_iter().find(|s| over(*s));
@@ -136,7 +137,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (k, mass, place) = self.at_hand_of(state);
         let [a, jerk, ..] = self.shaken(state, k);
         let later = impact::delay(place.rate.value, place.side * a, place.side * jerk);
-        let mut after = self.moved(state, later, |l| l == k).renewed();
+        let mut after = self.moved(state, later, &|l| l == k).renewed();
         let distance = place.distance.plus(place.rate.value * later * 0.5);
         let (rate, sliding) = (DoubleDouble::ZERO, R::ZERO);
         let at_rest = Place { distance, rate, held: true, sliding, ..after.places[k] };
@@ -168,12 +169,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         }
         let k = self.index(state.at_hand.into());
         let later = impact::delay(value, rate, curvature);
-        let mut after = self.moved(state, later, |l| l == k).renewed();
+        let mut after = self.moved(state, later, &|l| l == k).renewed();
         (after.places[k].held, after.places[k].sliding) = (false, off);
-        // A of the slide is 0 there without rounding.
-        let [_, jerk, snap, crackle] = self.shaken(&after, k);
-        after.places[k].shaken = Some([R::ZERO, jerk, snap, crackle]);
+        after.places[k].shaken = Some(self.shaken_after(&after, k));
         Some((self.settled(&after), later))
+    }
+
+    /// A and its derivatives as a mass begins to slide: without more friction at rest A is 0 there without rounding.
+    pub(super) fn shaken_after(&self, after: &ModalState<H, N, M>, k: usize) -> [R; 4] {
+        let [a, jerk, snap, crackle] = self.shaken(after, k);
+        let a = if self.static_friction[k] > self.friction[k] { a } else { R::ZERO };
+        [a, jerk, snap, crackle]
     }
 
     /// Σ μ R |Δy| of all masses that slide between two states.
@@ -194,7 +200,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let mut back = state.renewed();
         back.places[k].sliding = place.side;
         let Jet { curvature, jerk, .. } = self.distance(&back);
-        Some(Back { pressure: -curvature, jerk })
+        let more = self.static_friction[k] - self.friction[k];
+        Some(Back { pressure: -curvature, jerk, spare: -curvature - more })
     }
 }
 

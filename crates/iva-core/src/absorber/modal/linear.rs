@@ -68,4 +68,21 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal
         }
         rates
     }
+
+    fn slip_gradient(&self, state: &Self::State, carried: &[bool]) -> Option<DVector<f64>> {
+        let k = self.at_hand_of(state).0;
+        if self.static_friction[k] <= self.friction[k] {
+            return None;
+        }
+        let mut held = state.renewed();
+        for (place, carried) in held.places.iter_mut().zip(carried) {
+            place.held = *carried && !place.stuck;
+        }
+        let [_, rate, ..] = self.shaken(&held, k);
+        let linear = self.linear();
+        let point = DVector::from_column_slice(self.shape(k));
+        let mut gradient = linear.pull_on(&point, carried);
+        gradient[linear.of(k)[0]] += self.tie(k).spring / self.masses[k].mass_ratio;
+        Some(gradient / -rate)
+    }
 }

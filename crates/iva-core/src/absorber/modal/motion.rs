@@ -282,6 +282,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         let to = &end.places[k];
         let friction = self.system.friction[k];
         if from.carried() {
+            let friction = self.system.static_friction[k];
             let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
             return signs.into_iter().all(|sign| {
                 let carries = |place: &Place<R>| {
@@ -452,7 +453,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         if begin.carried() {
             let sign = if begin.stuck { -begin.side } else { self.off };
             let [value, rate, curvature, jerk] = shaken.map(|it| sign * it);
-            return Jet { value: value + self.system.friction[k], rate, curvature, jerk };
+            return Jet { value: value + self.system.static_friction[k], rate, curvature, jerk };
         }
         let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| place.side * it);
         Jet { value: place.distance.value, rate: place.rate.value, curvature, jerk }

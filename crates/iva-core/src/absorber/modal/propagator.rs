@@ -6,7 +6,6 @@ use std::sync::OnceLock;
 
 use super::equations::{Pushed, Regime};
 use super::forms::Forms;
-use super::series::EXACT;
 use super::state::{Modes, Place};
 use crate::absorber::Clock;
 use crate::force::{Acts, Force};
@@ -321,7 +320,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (falls, waves) = (vec![vec![]; self.count], vec![]);
         let mut whole = Propagator { length, high, low, falls, waves };
         let ends = |modes: &Modes<R, M>, regime: &Regime<'_, R, N>, fed: &[Pushed<R>]| {
-            let rows = self.series(modes, regime, |m| fed[m], unit, (ORDER, EXACT));
+            let rows = self.series_fed(modes, regime, fed, unit);
             rows.modes::<M>(length / unit, unit)
         };
         let mut still = [[DoubleDouble::ZERO; 3]; ORDER + 1];

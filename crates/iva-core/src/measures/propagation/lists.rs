@@ -261,6 +261,7 @@ impl Grown {
     /// Masses that were stuck are free from an instant on: each begins at rest on its wall.
     pub fn release<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
+        let before = self.rates_if_jumping(system, state);
         let freed = system.carried(state, false);
         let size = self.covariance.nrows();
         let mut map = DMatrix::identity(size, size);
@@ -271,6 +272,7 @@ impl Grown {
         }
         self.carry(&map);
         self.begin(system, time, state, false);
+        self.jumped(before);
     }
 
     /// A mass has stopped in its gap at an instant, between these states.
@@ -297,7 +299,28 @@ impl Grown {
     /// A mass that friction held slides off from an instant on.
     pub fn slipped<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
+        let before = self.rates_if_jumping(system, state);
         self.begin(system, time, state, false);
+        self.jumped(before);
+    }
+
+    /// The derivative of the instant at which the absorber at hand begins to slide, and the rates before, if they jump.
+    fn rates_if_jumping<S: DifferentiableList>(
+        &self,
+        system: &S,
+        state: &S::State,
+    ) -> Option<[DVector<f64>; 2]> {
+        let gradient = system.slip_gradient(state, &self.carried)?;
+        Some([gradient, system.rates(state, &self.carried)])
+    }
+
+    /// Carries the errors through a jump of the rates, by its saltation matrix.
+    fn jumped(&mut self, before: Option<[DVector<f64>; 2]>) {
+        if let Some([gradient, rates]) = before.filter(|_| !self.lost) {
+            let size = self.covariance.nrows();
+            let jump = (&rates - &self.begun.1) * gradient.transpose();
+            self.carry(&(DMatrix::identity(size, size) + jump));
+        }
     }
 
     /// The error of all further rebounds of a chatter of the absorber at hand after its last impact, from this state: their
