@@ -26,7 +26,7 @@ export PYO3_BUILD_EXTENSION_MODULE := 1
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-start weight check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-terms bench-start weight check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -129,6 +129,9 @@ bench-modes: target/bench/.installed ## compare five masses on 20 modes with MuJ
 
 bench-lists: target/bench/.installed ## compare lists of absorbers, and a dashpot in the gap, with SciPy
 	target/bench/bin/python benches/compare_lists.py
+
+bench-terms: target/bench/.installed ## compare springs, dashpots, friction, lists, modes and forces with heyoka
+	target/bench/bin/python benches/compare_terms.py
 
 # The other integrators have an environment of their own.
 target/bench/.installed: $(VENV)/.installed

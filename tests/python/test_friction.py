@@ -259,6 +259,58 @@ def test_held_masses_slide_when_another_is_struck() -> None:
         assert row[name] == point[name]
 
 
+def test_more_friction_at_rest_than_in_a_slide() -> None:
+    """A mass thrown up a slope stays where it stops; with less at rest it slides back."""
+    k, speed, degrees = 0.05, 0.7, 6.0
+    structure = iva.Primary(mass=1e9, stiffness=1e9)
+    angle = math.radians(degrees)
+    start = iva.Start(gap_velocity=speed, gap_displacement=0.0)
+    up = speed / (G * (math.sin(angle) + k * math.cos(angle)))
+
+    def thrown(at_rest: float | None) -> iva.Run:
+        absorber = iva.Siva(
+            mass=1e-9,
+            restitution=0.5,
+            clearance=2.0,
+            friction=k,
+            static_friction=at_rest,
+            inclination_deg=degrees,
+        )
+        return iva.simulate(absorber, structure, start=start, duration=2.0, verify=True)
+
+    # tan 6° = 0.105 lies between the two coefficients.
+    held, back = thrown(0.2), thrown(None)
+    row = held.summary.row(0, named=True)
+    assert (row["stops"], row["impacts"]) == (1, 0)
+    assert row["time_held"] == pytest.approx(2.0 - up, rel=1e-13)
+    assert back.summary["time_held"].item() == 0.0
+    later = 2.0 - up
+    fallen = 0.5 * G * (math.sin(angle) - k * math.cos(angle)) * later**2
+    expected = speed * up / 2 - fallen
+    assert back.at([2.0])["gap_displacement"].item() == pytest.approx(expected, rel=1e-12)
+    # The same coefficient at rest is that of the slide: the scene is the same.
+    same = thrown(k)
+    assert_frame_equal(same.summary, back.summary)
+
+
+def test_errors_and_gradients_know_the_friction_at_rest() -> None:
+    """The jump with which a slide begins is in errors and derivatives: beside differences."""
+
+    def ran(at_rest: float, **asked: Any) -> iva.Run:
+        absorber = siva(static_friction=at_rest)
+        return iva.simulate(absorber, PRIMARY, start=START, periods=4, **asked)
+
+    run = ran(0.15, verify=True, errors=True, gradients=["static_friction"])
+    assert run.summary["stops"].item() > 3
+    assert (run.verification.impacts["time"].abs() <= run.impacts["time_error"]).all()
+    step = 1e-6
+    more, less = (ran(0.15 + sign * step).impacts["time"].to_numpy() for sign in (1, -1))
+    told = run.gradients["static_friction"].impacts["time"].to_numpy()
+    assert len(more) == len(less) == len(told) > 3
+    by_differences = (more - less) / (2 * step)
+    assert np.abs(told - by_differences).max() < 1e-4 * max(np.abs(told).max(), 1e-3)
+
+
 @pytest.mark.parametrize(
     ("call", "told"),
     [
@@ -281,6 +333,16 @@ def test_held_masses_slide_when_another_is_struck() -> None:
             "absorber.gravity is missing",
         ),
         (lambda: siva(friction=-0.1), "friction = -0.1: give"),
+        (
+            lambda: iva.simulate(siva(static_friction=0.04), PRIMARY, start=START, periods=1),
+            r"absorber.static_friction = 0.04: give at least friction, which is 0.05",
+        ),
+        (
+            lambda: iva.simulate(
+                siva(friction=None, static_friction=0.1), PRIMARY, start=START, periods=1
+            ),
+            r"absorber.static_friction = 0.1: give friction too",
+        ),
         (
             lambda: iva.dynamics.orbit(
                 siva(), PRIMARY, force=iva.Harmonic(force=10.0, frequency=30.0), start=(0, 0, 0, 0)
