@@ -70,6 +70,7 @@ use propagator::Leaps;
 use ties::Tied;
 
 mod absorber;
+mod columns;
 mod equations;
 mod forms;
 mod friction;
@@ -209,46 +210,6 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             leaps: OnceLock::new(),
         };
         Ok(modal.completed())
-    }
-
-    /// The same masses with Coulomb friction, which decelerates each that slides by R, an acceleration.
-    ///
-    /// # Errors
-    /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
-    pub fn with_friction(mut self, friction: &[R]) -> Result<Self, Invalid> {
-        structure::same("absorber.friction", friction.len(), self.count)?;
-        for (k, (own, given)) in self.friction.iter_mut().zip(friction).enumerate() {
-            let field = format!("absorber.{k}.friction");
-            range::size(&field, *given)?;
-            if *given < 0.0 {
-                let value = crate::error::number(given.double());
-                return Err(Invalid::new(field, value, "give 0 or more"));
-            }
-            *own = *given;
-        }
-        self.static_friction = self.friction;
-        self.leaps = OnceLock::new();
-        Ok(self)
-    }
-
-    /// The same masses, each of which friction holds at rest up to Rₛ, an acceleration: as large as that of a slide, or larger.
-    ///
-    /// # Errors
-    /// [`Invalid`] for a number smaller than the deceleration of a slide or out of [`crate::range`], for one without friction, and for numbers that are not as many as masses.
-    pub fn with_static_friction(mut self, static_friction: &[R]) -> Result<Self, Invalid> {
-        structure::same("absorber.static_friction", static_friction.len(), self.count)?;
-        let all = self.static_friction.iter_mut().zip(&self.friction).zip(static_friction);
-        for (k, ((own, sliding), given)) in all.enumerate() {
-            let field = format!("absorber.{k}.static_friction");
-            range::size(&field, *given)?;
-            if *given < *sliding || (*given > 0.0 && *sliding == 0.0) {
-                let value = crate::error::number(given.double());
-                let rule = "give friction too, and at least as much at rest as in a slide";
-                return Err(Invalid::new(field, value, rule));
-            }
-            *own = *given;
-        }
-        Ok(self)
     }
 
     /// The same masses with gravity G along the line of motion of each, which rises towards wall +.

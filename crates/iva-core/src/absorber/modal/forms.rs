@@ -4,8 +4,9 @@
 //! are integrals of what unit vectors do, by quadrature: never differences of energies, so that the energy ledger stays a check.
 
 use super::Modal;
+use super::columns::units;
 use super::equations::Regime;
-use super::propagator::{Flown, units};
+use super::propagator::Flown;
 use super::state::Place;
 use super::structure::Damping;
 use crate::host::Host;

@@ -9,13 +9,18 @@
 //! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
 //! at once ([`Modal::settled`]).
 
+use std::sync::OnceLock;
+
 use super::state::Place;
+use super::structure::same;
 use super::{Modal, ModalMotion, ModalState};
 use crate::absorber::chatter::Back;
 use crate::absorber::{Absorber as _, impact};
-use crate::host::Host;
+use crate::error::{Invalid, number};
+use crate::host::{Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::range;
 use crate::segment::contact::{Stretch, first_release, keeps_pressing};
 use crate::segment::flight::{Curve, Jet, Motion as _, Side};
 use crate::segment::slide::{Slide, first_end};
@@ -25,6 +30,48 @@ const DOUBT: f64 = 64.0;
 
 /// Largest difference of R and |A| where a held mass slides off, in units of 2⁻⁵² of the terms that cancel in it.
 const BALANCED_ULPS: f64 = 1024.0;
+
+impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
+    /// The same masses with Coulomb friction, which decelerates each that slides by R, an acceleration.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
+    pub fn with_friction(mut self, friction: &[R]) -> Result<Self, Invalid> {
+        same("absorber.friction", friction.len(), self.count)?;
+        for (k, (own, given)) in self.friction.iter_mut().zip(friction).enumerate() {
+            let field = format!("absorber.{k}.friction");
+            range::size(&field, *given)?;
+            if *given < 0.0 {
+                let value = number(given.double());
+                return Err(Invalid::new(field, value, "give 0 or more"));
+            }
+            *own = *given;
+        }
+        self.static_friction = self.friction;
+        self.leaps = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The same masses, each of which friction holds at rest up to Rₛ, an acceleration: as large as that of a slide, or larger.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a number smaller than the deceleration of a slide or out of [`crate::range`], for one without friction, and for numbers that are not as many as masses.
+    pub fn with_static_friction(mut self, static_friction: &[R]) -> Result<Self, Invalid> {
+        same("absorber.static_friction", static_friction.len(), self.count)?;
+        let all = self.static_friction.iter_mut().zip(&self.friction).zip(static_friction);
+        for (k, ((own, sliding), given)) in all.enumerate() {
+            let field = format!("absorber.{k}.static_friction");
+            range::size(&field, *given)?;
+            if *given < *sliding || (*given > 0.0 && *sliding == 0.0) {
+                let value = number(given.double());
+                let rule = "give friction too, and at least as much at rest as in a slide";
+                return Err(Invalid::new(field, value, rule));
+            }
+            *own = *given;
+        }
+        Ok(self)
+    }
+}
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// s R of a mass that slides; 0 of others.
