@@ -104,7 +104,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// What springs and dampers make of a derivative of all q and of the next one.
-    #[inline(always)]
     fn accelerated(&self, low: &[R], high: &[R]) -> [R; M] {
         let n = self.whole.count();
         let mut bent = [R::ZERO; M];
