@@ -45,6 +45,8 @@ pub(crate) struct Streak<R = f64> {
     /// other: whether they stay listed is decided at its end.
     pub low: f64,
     pub low_effective: f64,
+    /// Number of stops in the gap since the last impact above that floor: they count as the impacts after them do.
+    pub stops: f64,
     /// Energy lost in it.
     pub energy_loss: R,
 }
@@ -57,6 +59,7 @@ laned!(
         listed_before: f64,
         low: f64,
         low_effective: f64,
+        stops: f64,
         energy_loss: f64,
     }
 );
@@ -126,6 +129,7 @@ impl<R: Real> Counts<R> {
                 listed_before: pick(fresh, impacts, streak.listed_before),
                 low: pick(fresh, 0.0, streak.low) + one(hit & low),
                 low_effective: pick(fresh, 0.0, streak.low_effective) + one(hit & low & effective),
+                stops: pick(hit & (fresh | !low), 0.0, streak.stops),
                 energy_loss: pick(fresh, R::ZERO, streak.energy_loss)
                     + pick(hit, energy_loss, R::ZERO),
             },

@@ -75,6 +75,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
         self.tally.friction.stops += 1;
+        self.progress.counts.streak.stops += 1.0;
         self.observer.stop(self.system, self.progress.clock.value, [&before, &state]);
         if self.system.is_held(&state) {
             self.tally.friction.holds += 1;

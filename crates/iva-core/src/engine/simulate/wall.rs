@@ -128,6 +128,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                     return;
                 }
                 self.list_summed(&impact, [&touching, &after]);
+                self.tally.friction.stops += 1;
                 state = after;
                 continue;
             }
@@ -208,8 +209,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.riding = Some(episode);
     }
 
-    /// Removes the low rebounds of a streak from the list and the counts.
+    /// Removes the low rebounds of a streak from the list and the counts, and stops after the last one that stays.
     fn unlist_low(&mut self, absorber: u8, streak: &Streak<R>) {
+        self.tally.friction.stops -= streak.stops as u64;
         if streak.low > 0.0 {
             let counts = &mut self.progress.counts;
             counts.impacts -= streak.low;
