@@ -227,8 +227,8 @@ def basins(
         If a value is missing or out of range, a start lies outside the gap, the force is not one
         harmonic force, or the orbits are of another scene or not stable.
     KeyboardInterrupt
-        On Ctrl-C before a cell is finished. Later it ends the basins with what they have, within
-        about a second, and the cells that are not finished have the label −3.
+        On Ctrl-C before a cell is finished. Later it ends the basins with what they have, once the
+        rows that have begun are finished, and the other cells have the label −3.
 
     Notes
     -----
