@@ -20,6 +20,8 @@ STEP_OF_RESTITUTION = 1e-4
 LOOSE = 0.1
 #: χ² a sample above which a window does not fit.
 UNFIT = 2.5
+#: Deviations of chance by which χ² of what a window has gained is more than noise.
+CHANCE = 3.0
 
 
 @dataclass(frozen=True)
@@ -233,7 +235,7 @@ def grown(target: Target, begun: Shot, steps: int) -> Shot:
         made = shot(target, best.numbers, begin, until, steps if growth > 1 else 4 * steps)
         if made.misfit > UNFIT and growth == 1:
             return best
-        if made.misfit > UNFIT:
+        if growth > 1 and (made.misfit > UNFIT or worse(best, made)):
             growth = 1  # by single impacts, and with patience
             hits = best.restitutions.size + (begun is not best)
             continue
@@ -243,4 +245,19 @@ def grown(target: Target, begun: Shot, steps: int) -> Shot:
         hits += 1 if growth == 1 else max(1, hits // 3)
 
 
-__all__ = ["Shot", "Target", "grown", "shot"]
+def worse(best: Shot, made: Shot) -> bool:
+    """Return whether a larger window fits worse than the one that it has grown from.
+
+    A motion that passes over a small impact makes up for it by what follows, and fits not badly.
+    The noise is that of the smaller window, so that a rough estimate of it does not matter.
+    """
+    before, use = best.motion.values.size, made.motion.values.size
+    fresh, sure = use - before, before - best.numbers.size - best.restitutions.size
+    if fresh < 1 or sure < 1:
+        return False
+    level = best.misfit * before / sure
+    gained = (made.misfit * use - best.misfit * before) / fresh
+    return gained > level * (1 + CHANCE * np.sqrt(2 / fresh + 2 / sure))
+
+
+__all__ = ["Shot", "Target", "grown", "shot", "worse"]
