@@ -210,6 +210,18 @@ def test_a_pendulum_is_found() -> None:
     assert fit.run.impacts["time"][0] == pytest.approx(made.impacts[0]["time"] + 0.2537, abs=2e-3)
 
 
+def test_a_first_impact_that_is_too_small_to_be_seen_is_found() -> None:
+    truth = Truth(
+        2.7873, 0.01034, 0.08823, 0.4555, 59.446e-3, 20.0e-3, release=0.39476, scatter=0.03
+    )
+    made = laser(truth, 0.4532, Laser(seed=1026, seconds=6.0))
+    assert abs(made.impacts[0]["jump"]) < 0.15 * abs(made.impacts[1]["jump"])
+    fit = identify(made, iva.Piva(), iva.Primary())
+    holds(fit, truths(truth) | {"frequency_ratio": 0.4532})
+    assert fit.adequate
+    assert fit.impacts.height == len(made.impacts)
+
+
 def test_no_impact_is_said() -> None:
     made = record(replace(RIG, gap=60e-3), Chain(seed=26, seconds=2.0))
     with pytest.raises(ValueError, match=r"^record: no impact is found in it; give a record"):

@@ -29,6 +29,8 @@ from iva.identification.widths import over_widths
 FIRST = 3
 #: Candidates that are followed.
 FOLLOWED = 24
+#: χ² a sample below which a first window may lack no more than impacts without a kink that is seen.
+NEAR = 10.0
 #: Width of what is thought possible of a logarithm of which nothing is known.
 WIDE = 2.0
 
@@ -270,6 +272,11 @@ def nearest(
             numbers[LOGARITHMS] = 0.01
         try:
             made = shot(target, numbers, np.full(hits, row[4]), until, steps=12)
+            unseen = len(made.motion.times) - hits
+            if unseen > 0 and made.misfit < NEAR:
+                # Each has a restitution of its own, also where it is too small to be seen.
+                each = np.append(made.restitutions, np.full(unseen, made.restitutions[-1]))
+                made = shot(target, made.numbers, each, until, steps=12)
         except (ValueError, np.linalg.LinAlgError):
             continue
         if best is None or made.misfit < best.misfit:

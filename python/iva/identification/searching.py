@@ -16,6 +16,10 @@ POINTS = 1 << 16
 FEW = 60
 #: Impacts that are compared.
 COMPARED = 5
+#: Impacts between those that may be too small to be found.
+UNSEEN = 3
+#: Most that one impact counts.
+MOST = 50.0
 #: What an instant may be off, in periods, and a jump, relative.
 OFF_TIME = 0.03
 OFF_JUMP = 0.2
@@ -77,21 +81,28 @@ def candidates(
         duration=float(times[few - 1]) + 0.3 / hertz,
         tables=["impacts"],
         threads=1,
-        max_impacts=few + 3,
+        max_impacts=few + UNSEEN,
     )
     impacts = table.impacts
     point, which = impacts["point"].to_numpy(), impacts["impact"].to_numpy()
     which = which - which.min()
-    inside = which < few
-    seen_time = np.full((POINTS, few), np.nan)
-    seen_jump = np.full((POINTS, few), np.nan)
+    inside = which < few + UNSEEN
+    seen_time = np.full((POINTS, few + UNSEEN), np.nan)
+    seen_jump = np.full((POINTS, few + UNSEEN), np.nan)
     jump = (impacts["velocity_after"] - impacts["velocity_before"]).to_numpy()
     seen_time[point[inside], which[inside]] = impacts["time"].to_numpy()[inside]
     seen_jump[point[inside], which[inside]] = jump[inside]
-    by_time = (seen_time - times[:few]) * hertz / OFF_TIME
-    by_jump = (seen_jump - jumps[:few]) / (OFF_JUMP * np.abs(jumps[:few]) + 2 * deviation)
-    each = np.minimum(by_time**2 + by_jump**2, 50.0)
-    score = np.sum(np.where(np.isnan(each), 50.0, each), axis=1)
+    score = np.zeros(POINTS)
+    # Small impacts are not found, so each that is found is compared with the one most like it.
+    lonely = np.full(seen_time.shape, MOST)
+    for time, jump in zip(times[:few], jumps[:few], strict=True):
+        by_time = ((seen_time - time) * hertz / OFF_TIME) ** 2
+        by_jump = ((seen_jump - jump) / (OFF_JUMP * abs(jump) + 2 * deviation)) ** 2
+        score += np.min(np.nan_to_num(np.minimum(by_time + by_jump, MOST), nan=MOST), axis=1)
+        lonely = np.fmin(lonely, by_time)
+    # And none of those that should be seen may be left over before the last one.
+    lonely = np.fmin(lonely, (seen_jump / (4 * deviation)) ** 2)
+    score += np.sum(np.where(seen_time < times[few - 1], lonely, 0.0), axis=1)
     best = np.argsort(score)[:FEW]
     return np.column_stack([columns[name][best] for name in names])
 
