@@ -79,7 +79,9 @@ def identified(
             "record: no motion of a pendulum comes near it; give another absorber, or what is known"
         )
     rest = target.values[: made.motion.values.size] - made.motion.values
-    noise = max(float(np.std(rest)), floor)
+    # Each number of the fit takes its share of the noise along.
+    left = max(rest.size - made.numbers.size - made.restitutions.size, 1)
+    noise = max(float(np.sqrt(rest @ rest / left)), floor)
     smooth = target.noise
     target = replace(target, noise=noise)
     scatter = float(np.clip(np.std(made.restitutions) / np.mean(made.restitutions), 0.02, 0.3))
