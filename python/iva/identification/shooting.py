@@ -21,7 +21,7 @@ LOOSE = 0.1
 #: χ² a sample above which a window does not fit.
 UNFIT = 2.5
 #: Deviations of chance by which χ² of what a window has gained is more than noise.
-CHANCE = 3.0
+CHANCE = 2.0
 
 
 @dataclass(frozen=True)
