@@ -27,8 +27,8 @@ from iva.identification.widths import over_widths
 
 #: Impacts in the first window.
 FIRST = 3
-#: Candidates that are followed.
-FOLLOWED = 24
+#: Candidates that are followed, and those of a shorter window if none of them fits.
+FOLLOWED, AGAIN = 24, 8
 #: χ² a sample below which a first window may lack no more than impacts without a kink that is seen.
 NEAR = 10.0
 #: Width of what is thought possible of a logarithm of which nothing is known.
@@ -263,8 +263,35 @@ def nearest(
     ends = float(target.time[-1])
     until = min(release + times[hits] - 0.02 / hertz if times.size > hits else ends, ends)
     until = min(until, release + times[hits - 1] + 1.0 / hertz)
+    rows = spread_out(found)[:FOLLOWED]
+    best = followed(target, rows, hits, until)
+    if best is None or best.misfit > UNFIT:
+        # An impact that is too small to be seen may lie between the last one and the end.
+        until = min(until, release + times[hits - 1] + 0.2 / hertz)
+        best = followed(target, rows[:AGAIN], hits, until) or best
+    if best is None:
+        raise ValueError(
+            "record: no motion of a pendulum comes near it; give another absorber, or what is known"
+        )
+    return best
+
+
+def followed(target: Target, rows: Values, hits: int, until: float) -> Shot | None:
+    """Return the best agreement up to an instant from candidates, if any leads to one.
+
+    Parameters
+    ----------
+    target : Target
+        What is to be met.
+    rows : ndarray, shape (n, 5)
+        As :func:`candidates` returns them.
+    hits : int
+        Number of impacts that are seen up to the instant.
+    until : float
+        The instant from the first sample, in s.
+    """
     best: Shot | None = None
-    for row in spread_out(found)[:FOLLOWED]:
+    for row in rows:
         numbers = target.mean.copy()
         begin = [np.log(row[0]), np.log(row[1]), np.log(row[2]), np.log(row[3])]
         for place, value in enumerate(begin):
@@ -285,10 +312,6 @@ def nearest(
             best = made
         if made.misfit < 1.3:
             break
-    if best is None:
-        raise ValueError(
-            "record: no motion of a pendulum comes near it; give another absorber, or what is known"
-        )
     return best
 
 
