@@ -222,7 +222,7 @@ def grown(target: Target, begun: Shot, steps: int) -> Shot:
         Most steps in each window.
     """
     end = float(target.time[-1])
-    best, growth = begun, 3
+    best, growth, failed = begun, 3, 0
     hits = begun.restitutions.size
     while True:
         # The impacts that come next say where the window ends.
@@ -236,12 +236,14 @@ def grown(target: Target, begun: Shot, steps: int) -> Shot:
         if made.misfit > UNFIT and growth == 1:
             return best
         if growth > 1 and (made.misfit > UNFIT or worse(best, made)):
-            growth = 1  # by single impacts, and with patience
+            # By single impacts, and with patience, over what is hard.
+            growth, failed = 1, hits
             hits = best.restitutions.size + (begun is not best)
             continue
         best = made
         if last:
             return made
+        growth = 1 if hits < failed else 3
         hits += 1 if growth == 1 else max(1, hits // 3)
 
 
