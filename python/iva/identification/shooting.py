@@ -259,7 +259,7 @@ def worse(best: Shot, made: Shot) -> bool:
         return False
     level = best.misfit * before / sure
     gained = (made.misfit * use - best.misfit * before) / fresh
-    return gained > level * (1 + CHANCE * np.sqrt(2 / fresh + 2 / sure))
+    return gained > level * (1 + CHANCE * float(np.sqrt(2 / fresh + 2 / sure)))
 
 
 __all__ = ["Shot", "Target", "grown", "shot", "worse"]
