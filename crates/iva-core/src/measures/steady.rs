@@ -262,8 +262,8 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Steady<R> {
     }
 
     fn looks_within(&self) -> bool {
-        // Without a lasting force the power series of a motion does not reach over several steps.
-        let whole = self.driven && self.begun && (self.base_known || !self.base_moves);
+        // Without a lasting force, and in leaps, the power series of a motion does not reach over several steps.
+        let whole = !S::LEAPS && self.driven && self.begun && (self.base_known || !self.base_moves);
         self.wanted.any() && !(whole && self.next_strobe().is_none())
     }
 
