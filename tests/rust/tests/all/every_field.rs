@@ -82,7 +82,7 @@ pub(crate) fn complete(spec: &mut Spec, field: FieldId) {
     if field == FieldId::RestitutionExponent && spec.choices().kind == Kind::Siva {
         spec.set(FieldId::ReferenceSpeed, 0.5).unwrap();
     }
-    if field == FieldId::StaticFriction {
+    if field == FieldId::StaticFriction && spec.choices().kind == Kind::Siva {
         spec.set(FieldId::Friction, 0.1).unwrap();
     }
 }
