@@ -2,12 +2,12 @@
 
 Usage: compare_terms.py [--quick] [KIND ...]
 
-Each kind is a scene with one term or with several, run for 96 coefficients of restitution. heyoka is
-compiled once a kind, with terminal events whose callbacks apply impacts, stops and slips; it runs
-batches of 8 at 1e-9 and of 4 at 1e-16 and keeps counts and the last state. iva runs its sweep on one
-thread, with counts alone and with all measures. Times are CPU time, the best of some calls. Told are
-heyoka's fastest time over both of iva's, and how many of the scenes without stick episodes have
-another number of impacts with heyoka at 1e-16. Needs the extra ``bench``.
+Each kind is a scene with one term or with several, run for 96 coefficients of restitution. heyoka
+is compiled once a kind, with terminal events whose callbacks apply impacts, stops and slips; it
+runs batches of 8 at 1e-9 and of 4 at 1e-16 and keeps counts and the last state. iva runs its sweep
+on one thread, with counts alone and with all measures. Times are CPU time, the best of some calls.
+Told are heyoka's fastest time over both of iva's, and how many of the scenes without stick episodes
+have another number of impacts with heyoka at 1e-16. Needs the extra ``bench``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ MODES = ((1e-9, 8), (1e-16, 4))
 
 @dataclass(frozen=True)
 class Mass:
-    """A free mass: mass ratio, clearance, spring and dashpot of its gap, deceleration by friction."""
+    """A free mass: mass ratio, clearance, spring and dashpot in its gap, slowed by friction."""
 
     mu: float
     d: float
@@ -47,7 +47,7 @@ class Mass:
 
 @dataclass(frozen=True)
 class Kind:
-    """Masses, each at a point with its shape, on modes of these frequencies; a force on the first."""
+    """Masses, each at a point with its shape, on modes; a force on the first of these."""
 
     masses: tuple[Mass, ...]
     frequencies: tuple[float, ...] = (1.0,)
@@ -69,9 +69,7 @@ KINDS = {
     "friction": Kind((Mass(0.1, 0.7, friction=0.02),)),
     "two masses": Kind((Mass(0.08, 0.7), Mass(0.05, 0.9))),
     "four masses": Kind(tuple(Mass(0.04, 0.6 + 0.1 * k) for k in range(4))),
-    "four masses, force": Kind(
-        tuple(Mass(0.04, 0.6 + 0.1 * k) for k in range(4)), amplitude=0.03
-    ),
+    "four masses, force": Kind(tuple(Mass(0.04, 0.6 + 0.1 * k) for k in range(4)), amplitude=0.03),
     "dashpot, force": Kind((Mass(0.1, 0.7, damping=0.008),), amplitude=0.03),
     "three modes": Kind((Mass(0.1, 0.7),), (1.0, 2.7, 5.1), ((1.0, 0.7, 0.4),)),
     "five masses, 20 modes": Kind(
@@ -81,7 +79,7 @@ KINDS = {
         duration=30.0,
     ),
 }
-#: Gap velocity with which heyoka's masses slide off, or else their stop would be found again at once.
+#: Gap velocity with which masses of heyoka slide off, or their stop would be found again at once.
 NUDGE = 1e-12
 #: Frequency of the force.
 OMEGA = 0.98
@@ -99,6 +97,7 @@ class Equations:
     modes: int = field(init=False)
 
     def __post_init__(self) -> None:
+        """Name the variables."""
         self.modes = len(self.kind.frequencies)
         n, count = self.modes, len(self.kind.masses)
         self.q, self.p = names("q", n), names("p", n)
@@ -125,7 +124,7 @@ class Equations:
     def accelerations(self) -> list[Any]:
         """Return q̈ of all modes. Masses that rub ride on one mode of shape 1."""
         pulls = []
-        for mass, (y, rate), k in zip(self.kind.masses, self.gaps(), range(len(self.x)), strict=True):
+        for k, (mass, (y, rate)) in enumerate(zip(self.kind.masses, self.gaps(), strict=True)):
             sign, held = self.rubs(k)
             force = mass.spring * y + mass.damping * rate + mass.mu * mass.friction * sign
             pulls.append((1.0 - held) * force)
@@ -297,17 +296,19 @@ def with_iva(kind: Kind, **asked: Any) -> Callable[[], Any]:
         )
         start = iva.Start(gap_velocity=START)
     force = iva.Harmonic(amplitude=kind.amplitude, frequency=OMEGA) if kind.amplitude else None
-    return lambda: iva.sweep(
-        masses if len(masses) > 1 else masses[0],
-        structure,
-        over={"restitution": RESTITUTIONS},
-        start=start,
-        force=force,
-        duration=kind.duration,
-        tables=("summary",),
-        threads=1,
-        **asked,
-    ).summary
+    return lambda: (
+        iva.sweep(
+            masses if len(masses) > 1 else masses[0],
+            structure,
+            over={"restitution": RESTITUTIONS},
+            start=start,
+            force=force,
+            duration=kind.duration,
+            tables=("summary",),
+            threads=1,
+            **asked,
+        ).summary
+    )
 
 
 def fastest(call: Callable[[], Any], calls: int) -> float:
@@ -326,7 +327,8 @@ def main() -> None:
     arguments = sys.argv[1:]
     calls = 1 if "--quick" in arguments else CALLS
     chosen = [argument for argument in arguments if argument in KINDS] or list(KINDS)
-    print("| kind | us a run, counts | all measures | heyoka | over counts | over all | other counts |")
+    head = "| kind | us a run, counts | all measures | heyoka | over counts | over all |"
+    print(f"{head} other counts |")
     print("|---|--:|--:|--:|--:|--:|--:|")
     for name in chosen:
         kind = KINDS[name]
