@@ -161,6 +161,46 @@ fn a_turn_within_a_flight_is_not_denied() {
     assert!(turning > 1500 && 4 * proved > 3 * smooth, "{turning} {proved} {smooth}");
 }
 
+/// Between two bumps the speed dips to δ, where both ends and the slopes there tell of a bump alone: two modes whose curvatures cancel. Only
+/// the bound on what lies between the ends knows.
+#[test]
+fn a_dip_between_bumps_is_not_denied() {
+    let mut rng = Rng::new(79);
+    let [mut turning, mut proved] = [0, 0];
+    for _ in 0..400 {
+        let structure = ModalStructure::new(&[1e-4, 1.5, 3.0], &[0.0; 3]).unwrap();
+        let structure = structure.with_point("p", &[1.0; 3]).unwrap();
+        let mass = FreeMass::new(1e-28, 0.5, 500.0).unwrap();
+        let system: Modal<UndrivenHost, 1> = Modal::new(structure, [(mass, "p")]).unwrap();
+        let rest = [GapPoint { y: 0.0, w: 0.0 }];
+        let still = ModalStart::new(&[], &[1.0], rest).unwrap();
+        let length = system.flight(&system.begin(&still)).reach();
+        // v = δ + q s² − s⁴ + … with s from the middle on, whose bumps are at s² = q/2, within the flight but beyond half of its square.
+        let square = 0.25 * length * length;
+        let q = 2.0 * square * rng.range(0.6, 0.8);
+        // q = −(9 a + 2.25 b)/2 and 1 = −(81 a + 5.0625 b)/24 with a, b the speeds of the modes 3 and 1.5.
+        let a = (-24.0 + 4.5 * q) / (81.0 - 20.25);
+        let b = (-2.0 * q - 9.0 * a) / 2.25;
+        let high = q * square - square * square;
+        let dips = rng.unit() < 0.5;
+        let delta = high * if dips { -rng.range(0.05, 0.9) } else { rng.range(0.0, 40.0) };
+        let half = 0.5 * length;
+        let places = [0.0, -b / 1.5 * f64::sin(1.5 * half), -a / 3.0 * f64::sin(3.0 * half)];
+        let speeds = [delta - a - b, b * f64::cos(1.5 * half), a * f64::cos(3.0 * half)];
+        let start = ModalStart::new(&places, &speeds, rest).unwrap();
+        let flight = system.flight(&system.begin(&start));
+        let turns = flight.turns(length, &flight.state(length));
+        if dips {
+            assert_eq!(turns, Turns::Unknown, "{delta:e} of {high:e}");
+            turning += 1;
+        } else if delta > 10.0 * high {
+            proved += usize::from(turns == Turns::Never);
+        }
+    }
+    println!("{turning} dip below 0; {proved} others are proved to stay above");
+    assert!(turning > 150 && proved > 20, "{turning} {proved}");
+}
+
 /// What a damped sine loses in a flight of many leaps, E₀ − E in closed form.
 #[test]
 fn leaps_lose_what_a_damped_sine_loses() {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
-    absorber::modal::{Modal, ModalStart},
+    absorber::modal::{Modal, ModalStart, ModalStructure},
     absorber::sliding::Sliding,
     absorber::{Absorber, OnStructure, Start},
     flight::GapPoint,
@@ -14,7 +14,7 @@ use iva_core::{
     propagation::Errors,
     real::{Real, twofold::Twofold},
     simulate::{Limits, simulate},
-    siva::Siva,
+    siva::{FreeMass, Siva},
 };
 use iva_tests::modal::{Mass, POINTS, any_mass, any_structure, built, ties};
 use iva_tests::rng::Rng;
@@ -174,6 +174,48 @@ impl Scene for Rubbing {
     }
 }
 
+/// The same mass, which friction at rest holds by twice as much as it decelerates a slide.
+struct Held(Rubbing);
+
+impl Held {
+    fn run<R: Real, O>(&self, start: &[R], mut observer: O) -> O
+    where
+        O: Observer<Modal<DrivenHost<R>, 1>>,
+    {
+        let [mu, e, d, zeta, gravity, friction] = self.0.numbers.map(R::from);
+        let parts = self.0.drive.map(|acts| {
+            let [amplitude, frequency, phase] = [0.3, 0.9, 0.2].map(R::from);
+            Harmonic { amplitude, frequency, phase, acts }
+        });
+        let force = Force::harmonic(parts.into_iter().collect()).unwrap();
+        let structure = ModalStructure::new(&[R::ONE], &[zeta]).unwrap();
+        let structure = structure.with_point("p", &[R::ONE]).unwrap();
+        let structure = structure.with_base(&[R::ONE]).unwrap();
+        let system = Modal::new(structure, [(FreeMass::new(mu, e, d).unwrap(), "p")]).unwrap();
+        let system = system.with_gravity(&[gravity]).unwrap().with_friction(&[friction]).unwrap();
+        let system = system.with_static_friction(&[friction * 2.0]).unwrap();
+        let system = system.under(force, "p").unwrap();
+        let gaps = [GapPoint { y: start[2], w: start[3] }];
+        let start = ModalStart::new(&start[..1], &start[1..2], gaps).unwrap();
+        simulate(&system, &start, &Limits::new(R::from(25.0), d), None, &mut observer).unwrap();
+        observer
+    }
+}
+
+impl Scene for Held {
+    fn start(&self) -> (Vec<f64>, f64) {
+        self.0.start()
+    }
+
+    fn plain(&self) -> (Errors, Events) {
+        self.run(&self.0.start, Default::default())
+    }
+
+    fn exact(&self, displaced: usize, by: f64) -> Events<Twofold> {
+        self.run(&moved(self.start().0, displaced, by), Events::default())
+    }
+}
+
 /// What scenes show: estimates, how many are too small, by how much they are too large, and episodes.
 #[derive(Default)]
 struct Seen {
@@ -279,5 +321,12 @@ fn conditions_on_modes_are_those_of_differences() {
 fn conditions_with_friction_are_those_of_differences() {
     let mut rng = Rng::new(89);
     let scenes = (0..30).map(|_| Rubbing::new(&mut rng));
+    assert_exact(scenes.map(|scene| condition_over_differences(&scene)), 10);
+}
+
+#[test]
+fn conditions_with_friction_at_rest_are_those_of_differences() {
+    let mut rng = Rng::new(97);
+    let scenes = (0..40).map(|_| Held(Rubbing::new(&mut rng)));
     assert_exact(scenes.map(|scene| condition_over_differences(&scene)), 10);
 }
