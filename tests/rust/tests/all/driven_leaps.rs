@@ -8,7 +8,7 @@ use iva_core::{
     absorber::modal::{Modal, ModalStart, ModalStructure, Tie},
     absorber::{Absorber, OnStructure},
     flight::{GapPoint, Motion, Turns},
-    force::{Acts, Force, Harmonic},
+    force::{Acts, Force, Harmonic, Impulse},
     host::{DrivenHost, UndrivenHost},
     observe::{Observer, Span},
     real::{Real, twofold::Twofold},
@@ -63,6 +63,46 @@ fn a_structure_leaps_at_resonance() {
     assert!(shown.spans > 100, "{}", shown.spans);
     // The closed form itself rounds angles of 200 rad.
     assert!(shown.off < 30.0 * 200.0 * 4e-16, "{:e}", shown.off);
+}
+
+/// Impulses come between leaps, at their instants; and more harmonic parts than leaps take are left to the power series. Both in closed form.
+#[test]
+fn impulses_and_many_harmonics_are_met() {
+    let (duration, kicks) = (60.0, [(0.3, 3.37), (-0.5, 11.1), (0.2, 11.3), (0.4, 40.0)]);
+    for count in [0, 1, 4, 5] {
+        let harmonics: Vec<Harmonic> = (0..count)
+            .map(|k| Harmonic {
+                amplitude: 0.1 + 0.05 * f64::from(k),
+                frequency: 0.3 + 0.45 * f64::from(k),
+                phase: 0.7 * f64::from(k),
+                acts: Acts::Primary,
+            })
+            .collect();
+        let impulses = kicks.map(|(velocity, time)| Impulse { velocity, time });
+        let force = Force::new(harmonics.clone(), vec![], &impulses).unwrap();
+        let structure = ModalStructure::new(&[1.0], &[0.0]).unwrap();
+        let structure = structure.with_point("p", &[1.0]).unwrap();
+        let mass = FreeMass::new(1e-28, 0.5, 500.0).unwrap();
+        let system: Driven =
+            Modal::new(structure, [(mass, "p")]).unwrap().under(force, "p").unwrap();
+        let start = ModalStart::new(&[0.0], &[0.0], [GapPoint { y: 0.0, w: 0.0 }]).unwrap();
+        let (steps, _) = system.coasts(&system.begin(&start), duration);
+        assert_eq!(steps > 1, count < 5, "{count} harmonics: {steps}");
+        let x = |t: f64| {
+            let of = |it: &Harmonic| {
+                let (w, over) = (it.frequency, it.amplitude / (1.0 - it.frequency.powi(2)));
+                let (s, c) = it.phase.sin_cos();
+                over * ((w * t + it.phase).cos() - c * t.cos() + w * s * t.sin())
+            };
+            let swings: f64 = harmonics.iter().map(of).sum();
+            let pushed = kicks.iter().filter(|kick| kick.1 < t);
+            swings + pushed.map(|(v, at)| v * (t - at).sin()).sum::<f64>()
+        };
+        let mut shown = Shown { x, spans: 0, off: 0.0 };
+        let limits = Limits::new(duration, 1e-9);
+        simulate(&system, &start, &limits, None, &mut shown).unwrap();
+        assert!(shown.spans > 50 && shown.off < 1e-12, "{count}: {} {:e}", shown.spans, shown.off);
+    }
 }
 
 /// The first contact of a mass that nothing holds, over a structure under a force and on a base that moves.
