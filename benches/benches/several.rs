@@ -10,7 +10,6 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use iva_core::absorber::mixed::{Mixed, MixedStart, OneOf};
 use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure, Tie};
 use iva_core::absorber::several::{Several, Starts};
-use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::error::Invalid;
 use iva_core::flight::GapPoint;
@@ -139,14 +138,14 @@ fn dashpot(criterion: &mut Criterion) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// A mass that rubs, with its stops and slips.
 fn friction(criterion: &mut Criterion) -> Result<(), Invalid> {
-    let mass = Siva::new(MASS_RATIO, RESTITUTION, 0.6, DAMPING_RATIO)?;
-    let start = Start { displacement: 1.0, ..Start::default() };
-    for friction in [0.0, 0.02] {
-        let system = Sliding::new(&mass, 0.0, friction, push()?)?;
-        run(criterion, (&format!("friction {friction}, driven"), 1), &system, &start)?;
-    }
-    Ok(())
+    let structure = ModalStructure::new(&[1.0], &[DAMPING_RATIO])?;
+    let structure = structure.with_point("primary", &[1.0])?;
+    let masses = [(FreeMass::new(MASS_RATIO, RESTITUTION, 0.6)?, "primary")];
+    let system = Modal::of(structure, &masses)?.with_friction(&[0.02])?;
+    let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; 8])?;
+    run(criterion, ("friction, driven", 1), &system.under(push()?, "primary")?, &start)
 }
 
 fn several(criterion: &mut Criterion) {

@@ -231,9 +231,15 @@ def diagram(
     window: tuple[int, int],
     progress: _Progress | None,
 ) -> dict[str, Any]: ...
-def lyapunov(spec: _Spec, starts: _Starts, window: tuple[int, int]) -> dict[str, Any]: ...
+def lyapunov(
+    spec: _Spec, starts: _Starts, window: tuple[int, int], progress: _Progress | None
+) -> dict[str, Any]: ...
 def attractors(
-    spec: _Spec, starts: _Starts, most_periods: int, most_cycles: int
+    spec: _Spec,
+    starts: _Starts,
+    most_periods: int,
+    most_cycles: int,
+    progress: _Progress | None,
 ) -> dict[str, Any]: ...
 def basins(
     spec: _Spec,

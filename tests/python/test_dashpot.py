@@ -186,7 +186,6 @@ def test_what_does_not_fit_is_told(call: Any, told: str) -> None:
         call()
 
 
-@pytest.mark.xfail(strict=True, reason="masses that leave a wall together part by rounding")
 def test_twins_meet_their_wall_at_once() -> None:
     # Two alike masses with a dashpot, let go together by one wall: by symmetry they have all later
     # impacts at one instant, between the same velocities of the structure.

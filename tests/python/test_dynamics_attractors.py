@@ -97,3 +97,27 @@ def test_bad_input_is_one_sentence() -> None:
     failing("most_cycles", most_cycles=0)
     failing("box", box=3)
     failing("kind|absorber", absorber=None)
+
+
+def test_ctrl_c_keeps_the_starts_that_are_finished() -> None:
+    """A hundred thousand starts, cut when the first 64 are finished; all come to the same orbit."""
+    told: list[tuple[int, int]] = []
+
+    def interrupt(done: int, total: int) -> None:
+        told.append((done, total))
+        raise KeyboardInterrupt
+
+    parts = scene(RECORDS["I1@3.4"])
+    cut = dynamics.attractors(**parts, starts=100_000, progress=interrupt)
+    [(done, total)] = told
+    assert total == 100_000
+    assert 64 <= done <= cut.starts
+    assert cut.starts + cut.cancelled == total
+    assert cut.cancelled > 0
+    assert cut.unfinished == ()
+    few = dynamics.attractors(**parts, starts=64)
+    assert few.cancelled == 0
+    assert cut.shares == few.shares == {"3:1": 1.0}
+    [one], [other] = cut.attractors, few.attractors
+    assert one.orbit.state == pytest.approx(other.orbit.state, rel=1e-12)
+    assert f"cancelled: {cut.cancelled} more starts are not finished" in repr(cut)

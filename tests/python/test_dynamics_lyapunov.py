@@ -150,3 +150,25 @@ def test_bad_input_is_one_sentence() -> None:
     failing("gap", box={**everywhere, "gap_displacement": (-9.0, 9.0)})
     failing("smaller one first", box={**everywhere, "gap_displacement": (1.0, -1.0)})
     failing("force", force=iva.Impulse(velocity=1.0))
+
+
+def test_ctrl_c_keeps_the_periods_that_were_run() -> None:
+    """Four hundred runs, cut when the first four are finished."""
+    told: list[tuple[int, int]] = []
+
+    def interrupt(done: int, total: int) -> None:
+        told.append((done, total))
+        raise KeyboardInterrupt
+
+    parts = scene(RECORDS["L1"])
+    cut = dynamics.lyapunov(**parts, cycles=20_000, seeds=400, progress=interrupt)
+    [(done, total)] = told
+    assert 4 <= done < total == 400
+    assert cut.outcome == "cancelled"
+    assert 20_000 * done <= cut.cycles < 20_000 * total
+    assert cut.sum_error is not None
+    assert abs(cut.sum_error) < 1e-12
+    # Four standard errors of each.
+    whole = dynamics.lyapunov(**parts, cycles=2000)
+    within = 4.0 * math.hypot(cut.standard_errors[0], whole.standard_errors[0])
+    assert abs(cut.exponents[0] - whole.exponents[0]) < within

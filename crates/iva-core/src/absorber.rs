@@ -1,4 +1,4 @@
-//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`sliding`], a free mass with friction in its gap; [`several`], a list of
+//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`several`], a list of
 //! free masses, each in a gap of its own; [`mixed`], a list of free masses and pendulums; [`modal`], free masses on a structure with
 //! several modes, with springs, dashpots, gravity and friction of each.
 //!
@@ -24,7 +24,6 @@ pub mod restitution;
 pub mod ride;
 pub mod several;
 pub mod siva;
-pub mod sliding;
 
 use crate::absorber::chatter::Back;
 use crate::absorber::impact::Impact;

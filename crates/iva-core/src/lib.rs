@@ -30,7 +30,7 @@
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
 //! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`], [`segment::slide`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
-//! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with friction in its gap ([`sliding`]); several free masses on one structure ([`absorber::several`]), free masses and pendulums ([`absorber::mixed`]), or free masses at points of one with several modes ([`absorber::modal`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), the laws of its restitution ([`absorber::restitution`]), and the formulas of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
+//! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]); several free masses on one structure ([`absorber::several`]), free masses and pendulums ([`absorber::mixed`]), or free masses with friction, springs, dashpots and weight at points of a structure with any number of modes ([`absorber::modal`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), the laws of its restitution ([`absorber::restitution`]), and the formulas of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
 //! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]), or with all that a study can ask for ([`run::observed`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
@@ -50,7 +50,7 @@
 //! | another structure | the same three traits, with the absorber that is on it: `tests/rust/src/two_modes.rs` has two modes; of the core's own, [`absorber::modal`] has many |
 //! | a linear force between a free mass and its point, such as that of a spring | `absorber/modal/ties.rs`, which makes the mass a coordinate; its energy in `absorber/modal/on_structure.rs`, its loss in `losses.rs` and `forms.rs`, its share of the pressure on a wall in `Modal::followed` |
 //! | an event of a free mass beside impacts, such as a stop | a variant of [`segment::slide::Ends`] and of the endings in `engine/simulate/together.rs`; then every proof that nothing happens has to know it: `fast_path`, `clears` and `meets` of the motion, `coasts`, `others_wait` |
-//! | friction in the gap | the equations and the law at walls: [`absorber::sliding`] for one mass on one mode, `absorber/modal/friction.rs` for all others; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
+//! | friction in the gap | the equations and the law at walls: `absorber/modal/friction.rs`; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
 //! | a second absorber on one structure | [`absorber::several`] has the list of free masses, [`absorber::mixed`] that of free masses and pendulums; one absorber is at hand in a state ([`Absorber::at_hand`](absorber::Absorber::at_hand)), and the event loop takes each in turn (`engine/simulate/together.rs`). Impacts and stick episodes tell the index of their absorber. Lanes and orbits know one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
@@ -108,7 +108,7 @@ pub mod segment;
 pub mod theory;
 
 // What users name, without its room.
-pub use absorber::{chatter, impact, piva, siva, sliding};
+pub use absorber::{chatter, impact, piva, siva};
 pub use engine::{observe, simulate};
 pub use host::oscillator;
 pub use measures::{extremes, peaks, propagation, sample, steady, summary};

@@ -5,7 +5,7 @@ use iva_sweep::dynamics::basins::{Asked, Basins, CUT, LeftOut, Plane};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window};
 use iva_sweep::dynamics::lyapunov::Exponents;
 use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within};
-use iva_sweep::dynamics::{self as engine, Family};
+use iva_sweep::dynamics::{self as engine, Family, Outcome};
 use iva_sweep::slot::Slot;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -79,14 +79,20 @@ pub fn lyapunov<'py>(
     spec: &Bound<'_, PyDict>,
     starts: GivenStarts,
     window: (u64, u64),
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, starts) = (arguments::spec(spec)?, drawn(starts));
+    let progress = progress.map(|callback| worker::Progress { callback, total: starts.count });
     let window = Window { discard: window.0, keep: window.1 };
     let Family { period, scale, .. } = Family::new(&spec, None, 1).map_err(invalid)?;
     let work = move |shared: &worker::Shared| {
-        engine::lyapunov::lyapunov(&spec, starts, window, &shared.cancel)
+        engine::lyapunov::lyapunov(&spec, starts, window, shared.tracker())
     };
-    let Exponents { spectrum, dimension, bounds } = worker::run(py, None, work)?;
+    let (found, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    let Exponents { spectrum, dimension, bounds } = found.map_err(failed)?;
+    if let Some(raised) = cut.filter(|_| spectrum.cycles == 0) {
+        return Err(raised);
+    }
     let dict = PyDict::new(py);
     dict.set_item("exponents", spectrum.exponents)?;
     dict.set_item("standard_errors", spectrum.standard_errors)?;
@@ -110,13 +116,21 @@ pub fn attractors<'py>(
     starts: GivenStarts,
     most_periods: u32,
     most_cycles: u64,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, starts) = (arguments::spec(spec)?, drawn(starts));
+    let count = starts.count;
+    let progress = progress.map(|callback| worker::Progress { callback, total: count });
     let work = move |shared: &worker::Shared| {
-        engine::attractors::attractors(&spec, starts, (most_periods, most_cycles), &shared.cancel)
+        engine::attractors::attractors(&spec, starts, (most_periods, most_cycles), shared.tracker())
     };
-    let found = worker::run(py, None, work)?;
+    let (found, cut) = worker::run_partly(py, progress.as_ref(), work)?;
+    let found = found.map_err(failed)?;
     let Inventory { attractors, no_impacts, aperiodic, aperiodic_start, unfinished, .. } = &found;
+    let cancelled = unfinished.iter().filter(|it| **it == Outcome::Cancelled).count();
+    if let Some(raised) = cut.filter(|_| cancelled as u64 == count) {
+        return Err(raised);
+    }
     let dict = PyDict::new(py);
     let orbits = attractors.iter().map(|it| shown(py, &it.found)).collect::<PyResult<Vec<_>>>()?;
     dict.set_item("orbits", orbits)?;

@@ -12,6 +12,7 @@ from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.progress import reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from iva import theory
+    from iva.progress import Progress
     from iva.simulation import Run
 
 #: Four numbers.
@@ -64,8 +66,8 @@ class Spectrum:
     time : float
         Length of the part of each run that counts.
     outcome : str
-        ``finished``, or how the first run ended that did not: ``impact_limit``, ``work_limit`` or
-        ``not_finite``.
+        ``finished``, or how the first run ended that did not: ``impact_limit``, ``work_limit``,
+        ``not_finite``, or ``cancelled`` by Ctrl-C.
     box : tuple of pairs of float, length 4
         The box of the starts: displacement, velocity, gap displacement and gap velocity.
     """
@@ -123,6 +125,7 @@ def lyapunov(
     seeds: int = 8,
     seed: int = 1,
     box: Mapping[str, tuple[float, float]] | None = None,
+    progress: bool | Progress = False,
 ) -> Spectrum:
     """Compute the four Lyapunov exponents of a steady state, with standard errors.
 
@@ -150,6 +153,8 @@ def lyapunov(
         The range of displacement, velocity, gap_displacement and gap_velocity that starts are drawn
         from. By default displacement and velocity of the structure up to those of its steady state
         without absorber, the whole gap, and gap velocities up to the same velocity.
+    progress : bool or callable, default False
+        As in :func:`iva.sweep`; a point is a run.
 
     Returns
     -------
@@ -163,7 +168,8 @@ def lyapunov(
         If a value is missing or out of range, a start lies outside the gap, the force is not one
         harmonic force, or both `start` and `box` are given.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before a period counts. Later it ends the runs where they are, and the exponents
+        are those of the periods until then.
 
     Notes
     -----
@@ -187,7 +193,8 @@ def lyapunov(
     count = whole("seeds", seeds, 1, MOST_STARTS)
     starts = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), start is not None)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("cycles", cycles, 1, MOST_CYCLES))
-    found = _iva.lyapunov(made, starts, window)
+    with reporting(progress) as report:
+        found = _iva.lyapunov(made, starts, window, report)
     found["box"] = boxed(found["box"])
     for name in ("exponents", "standard_errors"):
         found[name] = tuple(found[name])

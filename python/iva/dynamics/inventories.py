@@ -13,6 +13,7 @@ from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.progress import reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
@@ -22,6 +23,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     import polars as pl
+
+    from iva.progress import Progress
+
+#: Outcome of a start that Ctrl-C has cut.
+CANCELLED = "cancelled"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +87,10 @@ class Attractors:
     left_out : tuple of str
         Why an orbit that starts end in is not among the attractors, each in a sentence.
     starts : int
-        Number of starts.
+        Number of starts that were run to their end, which all shares are of.
+    cancelled : int
+        Number of other starts, which Ctrl-C has cut. Those that come to their orbit soon are finished
+        first, so that the shares of a call that was cut lean towards their orbits.
     box : tuple of pairs of float, length 4
         The box that they fill: displacement, velocity, gap displacement and gap velocity.
 
@@ -105,6 +114,7 @@ class Attractors:
     unfinished: tuple[str, ...]
     left_out: tuple[str, ...]
     starts: int
+    cancelled: int
     box: Box
 
     @property
@@ -170,6 +180,8 @@ class Attractors:
             mirrored = " and its mirror image" if index < len(pairs) and pairs[index] else ""
             error = binomial(count, self.starts)
             lines.append(f"  {count / self.starts:.3f} ± {error:.3f} in {name}{mirrored}")
+        if self.cancelled:
+            lines.append(f"  cancelled: {self.cancelled} more starts are not finished")
         lines += [f"  left out: {reason}" for reason in self.left_out]
         ranges = (
             f"{name} {low:.4g} to {high:.4g}"
@@ -192,6 +204,7 @@ def attractors(
     most_periods: int = 16,
     most_cycles: int = 3000,
     box: Mapping[str, tuple[float, float]] | None = None,
+    progress: bool | Progress = False,
 ) -> Attractors:
     """Find what the steady states of a scene are, and how likely each is, from many random starts.
 
@@ -214,6 +227,8 @@ def attractors(
         Most periods that are run from each start.
     box : mapping of str to pair of float, optional
         The box, as for :func:`lyapunov`.
+    progress : bool or callable, default False
+        As in :func:`iva.sweep`; a point is a start.
 
     Returns
     -------
@@ -227,7 +242,7 @@ def attractors(
         If a value is missing or out of range, a start lies outside the gap, or the force is not one
         harmonic force.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C before a start is finished. Later it returns what the finished ones end in.
 
     Notes
     -----
@@ -247,12 +262,15 @@ def attractors(
     warn_of_doubts(made)
     count = whole("starts", starts, 1, MOST_STARTS)
     given = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), False)
-    found = _iva.attractors(
-        made,
-        given,
+    limits = (
         whole("most_periods", most_periods, 1, MOST_PERIODS),
         whole("most_cycles", most_cycles, 1, MOST_CYCLES),
     )
+    with reporting(progress) as report:
+        found = _iva.attractors(made, given, *limits, report)
+    unfinished = [outcome for outcome in found["unfinished"] if outcome != CANCELLED]
+    cancelled = len(found["unfinished"]) - len(unfinished)
+    count -= cancelled
     one = single(force)
     listed = zip(found["orbits"], found["periods"], found["counts"], found["pairs"], strict=True)
     periodic = []
@@ -277,9 +295,10 @@ def attractors(
         no_impacts=found["no_impacts"],
         aperiodic=found["aperiodic"],
         aperiodic_start=None if first is None else Start(**dict(zip(NAMES, first, strict=True))),
-        unfinished=tuple(found["unfinished"]),
+        unfinished=tuple(unfinished),
         left_out=tuple(found["left_out"]),
         starts=count,
+        cancelled=cancelled,
         box=boxed(found["box"]),
     )
 

@@ -254,7 +254,8 @@ pub fn spectrum<S: Iterated + Coordinates>(
             [&blocks, &wholes].map(|of| standard_error(of.iter().map(|it| it[k])));
         f64::max(within, between)
     });
-    let sum_errors = trajectories.iter().zip(all).map(|(trajectory, one)| {
+    let begun = trajectories.iter().zip(all).filter(|(_, one)| one.total().cycles > 0);
+    let sum_errors = begun.map(|(trajectory, one)| {
         let Sums { logs, impacts, rides, cycles } = one.total();
         let time = cycles as f64 * length;
         let known = trajectory.system.known_log_volume(time, impacts);

@@ -5,7 +5,6 @@ use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
 use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
-use crate::absorber::sliding::Sliding;
 use crate::host::Host;
 use crate::measures::propagation::{ByLists, ByTangents, Estimated};
 
@@ -26,10 +25,6 @@ impl<H: Host<Real = f64>> Estimated for Several<H> {
 }
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Estimated for Modal<H, N, M> {
-    type Way = ByLists;
-}
-
-impl Estimated for Sliding {
     type Way = ByLists;
 }
 

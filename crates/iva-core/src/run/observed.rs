@@ -12,7 +12,6 @@ use crate::absorber::modal::{FewModes, Modal};
 use crate::absorber::piva::Piva;
 use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
-use crate::absorber::sliding::Sliding;
 use crate::engine::observe::Events;
 use crate::engine::simulate::{Limits, Tally, simulate_from};
 use crate::error::Invalid;
@@ -73,7 +72,6 @@ macro_rules! observed {
 observed! {
     Siva<UndrivenHost>,
     Siva<DrivenHost>,
-    Sliding,
     Piva<UndrivenHost>,
     Piva<DrivenHost>,
     Several<UndrivenHost>,

@@ -1,6 +1,6 @@
 //! The attractors of a scene, in the user's units, see [`iva_core::orbit::attractors`].
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::error::Invalid;
 use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
@@ -10,7 +10,7 @@ use iva_core::orbit::{Cycle, Trajectory};
 use super::basins::{LeftOut, untold};
 use super::family::{Family, with_member};
 use super::starts::{Bounds, Drawn, Numbers, Startable};
-use super::{Found, Missed, Outcome, told};
+use super::{Found, Missed, Outcome, Tracker, told};
 use crate::design::Spec;
 use crate::sweep::SweepError;
 use crate::workers::Workers;
@@ -50,7 +50,8 @@ pub struct Inventory {
     pub left_out: Vec<LeftOut>,
 }
 
-/// What starts that are drawn end in. An orbit and its mirror image count as one.
+/// What starts that are drawn end in. An orbit and its mirror image count as one. Cancelled, the starts that are not finished are
+/// among [`Inventory::unfinished`].
 ///
 /// # Errors
 /// [`SweepError::Invalid`] as [`Family::new`], for orbits of no period or of too many, or if a box has starts outside the gap.
@@ -58,11 +59,11 @@ pub fn attractors(
     spec: &Spec,
     drawn: Drawn,
     (most_periods, most_cycles): (u32, u64),
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
     let family = Family::new(spec, None, 1)?;
     let search = Search { most_periods, most_cycles, join_mirrored: family.mirrors };
-    with_member!(&family.member, |it| inventory(&family, it, drawn, search, cancel))
+    with_member!(&family.member, |it| inventory(&family, it, drawn, search, tracker))
 }
 
 fn inventory<S: Startable>(
@@ -70,10 +71,12 @@ fn inventory<S: Startable>(
     like: &Trajectory<S>,
     drawn: Drawn,
     search: Search,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
     let starts = family.drawn(like, drawn)?;
-    let found = searched(&starts.trajectories, search, cancel)?;
+    let found = searched(&starts.trajectories, search, tracker)?;
+    // What was found before a call was cancelled is told all the same.
+    let cancel = &AtomicBool::new(false);
     let clearance = like.system.clearance();
     let (mut attractors, mut left_out, mut unlike) = (vec![], vec![], vec![Class::Aperiodic]);
     for (index, attractor) in found.attractors.iter().enumerate() {
@@ -110,10 +113,15 @@ fn inventory<S: Startable>(
 pub(super) fn searched<S: Startable>(
     trajectories: &[Trajectory<S>],
     search: Search,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<core::Found<S>, SweepError> {
     let groups: Vec<_> = trajectories.chunks(TOGETHER).collect();
-    let one = |group: u64| core::attractors(groups[group as usize], search, Some(cancel));
+    let one = |group: u64| {
+        let group = groups[group as usize];
+        let found = core::attractors(group, search, Some(tracker.cancel));
+        tracker.done.fetch_add(group.len() as u64, Ordering::Relaxed);
+        found
+    };
     let parts = Workers::new(None)?.map(groups.len() as u64, one);
     let clearance = trajectories.first().map_or(f64::NAN, |first| first.system.clearance());
     let mut all = core::Found { attractors: vec![], classes: vec![] };

@@ -1,6 +1,6 @@
 //! Basins of attraction over two numbers of the start, in the user's units, see [`iva_core::orbit::basins`].
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use iva_core::error::Invalid;
 use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
@@ -135,7 +135,9 @@ fn labelled<S: Startable>(
         join_mirrored: false,
     };
     let begins = begun(family, like, &sought)?;
-    let found = searched(&begins, search, cancel)?;
+    // What is counted are cells.
+    let uncounted = Tracker { cancel, done: &AtomicU64::new(0) };
+    let found = searched(&begins, search, uncounted)?;
     let Labels { attractors, periods, known, mut left_out } = match &asked.orbits {
         Some(_) => given_ones(&begins, &found),
         None => described(family, like, found.attractors, cancel),

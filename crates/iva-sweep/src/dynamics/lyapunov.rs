@@ -1,11 +1,12 @@
 //! Lyapunov exponents of a scene, in the user's units, see [`iva_core::orbit::lyapunov`].
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering;
 
 use iva_core::error::Invalid;
 use iva_core::orbit::Trajectory;
 use iva_core::orbit::lyapunov::{Spectrum, carried, spectrum};
 
+use super::Tracker;
 use super::diagram::Window;
 use super::family::{Family, with_member};
 use super::starts::{Bounds, Drawn, Startable};
@@ -27,7 +28,7 @@ pub struct Exponents {
     pub bounds: Bounds,
 }
 
-/// The exponents along trajectories from starts that are drawn.
+/// The exponents along trajectories from starts that are drawn. Cancelled, they are those of the cycles that are finished.
 ///
 /// # Errors
 /// [`SweepError::Invalid`] as [`Family::new`], or if a box has starts outside the gap.
@@ -35,10 +36,10 @@ pub fn lyapunov(
     spec: &Spec,
     drawn: Drawn,
     window: Window,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Exponents, SweepError> {
     let family = Family::new(spec, None, 1)?;
-    with_member!(&family.member, |it| exponents(&family, it, drawn, window, cancel))
+    with_member!(&family.member, |it| exponents(&family, it, drawn, window, tracker))
 }
 
 fn exponents<S: Startable>(
@@ -46,11 +47,16 @@ fn exponents<S: Startable>(
     like: &Trajectory<S>,
     drawn: Drawn,
     window: Window,
-    cancel: &AtomicBool,
+    tracker: Tracker<'_>,
 ) -> Result<Exponents, SweepError> {
     let starts = family.drawn(like, drawn)?;
     let groups: Vec<_> = starts.trajectories.chunks(TOGETHER).collect();
-    let one = |group: u64| carried(groups[group as usize], window, Some(cancel));
+    let one = |group: u64| {
+        let group = groups[group as usize];
+        let all = carried(group, window, Some(tracker.cancel));
+        tracker.done.fetch_add(group.len() as u64, Ordering::Relaxed);
+        all
+    };
     let all = Workers::new(None)?.map(groups.len() as u64, one);
     let all: Result<Vec<_>, Invalid> = all.into_iter().collect();
     let natural = spectrum(&starts.trajectories, &all?.concat());

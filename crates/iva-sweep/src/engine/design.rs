@@ -21,7 +21,6 @@ use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 use iva_core::absorber::several::Alone;
-use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::force::Force;
 use iva_core::piva::Piva;
@@ -212,14 +211,6 @@ impl<R: Real> Given<'_, R> {
                 system.check_start(&start).map_err(|error| free_mass::misplaced(self, error))?;
                 let gravity = weight.map(|weight| weight.gravity);
                 match weight {
-                    Some(Weight { along, friction: Some(friction), .. }) => {
-                        if !EVERY_SCENE {
-                            let rule = "give no friction here";
-                            return Err(Invalid::new(FieldId::Friction.path(), "a number", rule));
-                        }
-                        let system = Sliding::new(&system, along, friction, force)?;
-                        Ok(Scene::Sliding(Box::new(Mounted { system, start, gravity })))
-                    }
                     Some(Weight { along, .. }) => {
                         let system = system.inclined(along, force);
                         Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))

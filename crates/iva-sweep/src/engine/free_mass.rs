@@ -82,10 +82,12 @@ pub(super) fn at_rest<R: Real>(given: &Given<'_, R>) -> Result<Option<R>, Invali
     Err(Invalid::new(given.path(FieldId::StaticFriction), number(at_rest), rule))
 }
 
-/// The inclination or the friction of an absorber, where weight does something to it.
-pub(super) fn weighs<R: Real>(given: &Given<'_, R>) -> Option<(FieldId, R)> {
-    let fields = [FieldId::Inclination, FieldId::InclinationDeg, FieldId::Friction].into_iter();
-    fields.filter_map(|field| Some((field, given.get(field)?))).find(|(_, value)| *value != 0.0)
+/// The friction of an absorber, or of one in a list its inclination, where weight does something to it.
+pub(super) fn weighs<R: Real>(given: &Given<'_, R>, several: bool) -> Option<(FieldId, R)> {
+    let inclined = [FieldId::Inclination, FieldId::InclinationDeg].into_iter().filter(|_| several);
+    let fields = inclined.chain([FieldId::Friction, FieldId::StaticFriction]);
+    let of = |field| Some((field, given.get(field).filter(|value| *value != 0.0)?));
+    fields.filter_map(of).next()
 }
 
 /// The gap displacement at the start on an inclined line of motion: the lower stop, unless one is given.

@@ -60,16 +60,14 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// more friction at rest than in a slide, and in a list an inclination or friction.
+/// friction, and in a list an inclination.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     ties::given(given).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
         let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
         let mut masses = masses.filter(|own| own.choices().kind == Kind::Siva);
         masses.find_map(|own| {
-            let at_rest = || Some((FieldId::StaticFriction, free_mass::at_rest(&own).ok()??));
-            let (field, value) =
-                if several { free_mass::weighs(&own).or_else(at_rest) } else { at_rest() }?;
+            let (field, value) = free_mass::weighs(&own, several)?;
             Some((own.path(field), value.double()))
         })
     })

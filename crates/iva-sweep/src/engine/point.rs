@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal};
 use iva_core::absorber::several::{Alone, Several};
-use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
@@ -286,7 +285,6 @@ observes_any! {
     Several<UndrivenHost<R>>,
     Several<DrivenHost<R>>,
     Mixed<DrivenHost<R>>,
-    Sliding<R>,
     Modal<DrivenHost<R>>,
     FewModes<DrivenHost<R>>,
     Alone<DrivenHost<R>>,

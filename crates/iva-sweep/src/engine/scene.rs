@@ -3,7 +3,6 @@
 use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal, ModalStructure, Tie};
 use iva_core::absorber::several::{Alone, Several};
-use iva_core::absorber::sliding::Sliding;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
@@ -32,8 +31,6 @@ pub enum Scene<R: Real = f64> {
     Siva(Mounted<Siva<UndrivenHost<R>>>),
     /// A free mass under force, or with gravity along its motion.
     DrivenSiva(Mounted<Siva<DrivenHost<R>>>),
-    /// A free mass that rubs on its way.
-    Sliding(Box<Mounted<Sliding<R>>>),
     /// A pendulum in free decay.
     Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
     /// A pendulum under force.
@@ -44,7 +41,7 @@ pub enum Scene<R: Real = f64> {
     DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
     /// Free masses and pendulums on one structure, under force or in free decay.
     Mixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
-    /// Free masses on a structure with several modes, or tied to their points, or with weight in a list; under force or in free decay.
+    /// Free masses on a structure with several modes, or tied to their points, or that rub, or with weight in a list; under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// The same with few masses and modes, in doubles.
     FewModes(Box<Mounted<FewModes<DrivenHost<R>>>>),
@@ -67,7 +64,6 @@ macro_rules! with_system {
             Scene::DrivenPiva($mounted) => $body,
             Scene::Several($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenSeveral($mounted) if EVERY_SCENE => $body,
-            Scene::Sliding($mounted) if EVERY_SCENE => $body,
             Scene::Mixed($mounted) if EVERY_SCENE => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
             Scene::FewModes($mounted) if EVERY_SCENE && R::FAST_PATHS => $body,
@@ -201,7 +197,6 @@ impl<R: Real> Scene<R> {
     /// The deceleration of an absorber by friction R = k g cos α, in ωn² × length; 0 without.
     pub fn friction_of(&self, absorber: usize) -> R {
         match self {
-            Scene::Sliding(it) => it.system.friction(),
             Scene::Modal(it) => it.system.friction_of(absorber),
             Scene::FewModes(it) => it.system.friction_of(absorber),
             _ => R::ZERO,
@@ -263,7 +258,6 @@ impl<R: Real> Scene<R> {
         match self {
             Scene::Siva(_) => Some(R::ZERO),
             Scene::DrivenSiva(it) => Some(it.system.gravity()),
-            Scene::Sliding(it) => Some(it.system.without_friction().gravity()),
             Scene::Modal(it) => it.system.gravity_of(absorber),
             Scene::FewModes(it) => it.system.gravity_of(absorber),
             _ => None,

@@ -7,22 +7,46 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
-    absorber::{
-        Start,
-        sliding::{Sliding, SlidingState},
-    },
-    flight::Motion,
+    absorber::modal::{FEW, FewModes, Modal, ModalStart, ModalState, ModalStructure},
+    flight::{GapPoint, Motion},
     force::{Acts, Force, Harmonic, History, Impulse, Record},
+    host::DrivenHost,
     measures::{Measures, Wanted},
     observe::{Events, Observer, Span},
     real::{Real, twofold::Twofold},
     run::run,
     simulate::{Instant, Limits, Outcome, Tally, simulate},
-    siva::Siva,
+    siva::FreeMass,
 };
 use iva_tests::{U, rng::Rng};
 use serde_json::Value;
 use std::sync::Arc;
+
+/// A mass that rubs, on a driven structure of one mode.
+type Sliding<R = f64> = FewModes<DrivenHost<R>>;
+type State<R> = ModalState<DrivenHost<R>, FEW, FEW>;
+type Begin<R> = ModalStart<R, FEW, FEW>;
+
+/// μ, e, d, ζ, gravity and friction of a mass in a gap about this place, under a force.
+fn sliding<R: Real>(
+    [mu, e, d, zeta, gravity, friction]: [R; 6],
+    offset: f64,
+    force: Force<R>,
+) -> Sliding<R> {
+    let structure = ModalStructure::new(&[R::ONE], &[zeta]).unwrap();
+    let structure = structure.with_point("top", &[R::ONE]).unwrap().with_base(&[R::ONE]).unwrap();
+    let mass = FreeMass::new(mu, e, d).unwrap().with_offset(R::from(offset)).unwrap();
+    let system = Modal::with_room(structure, &[(mass, "top")]).unwrap();
+    let system = system.with_gravity(&[gravity]).unwrap().with_friction(&[friction]).unwrap();
+    system.under(force, "top").unwrap()
+}
+
+/// x, ẋ, y and ẏ at the start.
+fn begun<R: Real>([x, v, y, w]: [R; 4]) -> Begin<R> {
+    let unused = GapPoint { y: R::ZERO, w: R::ZERO };
+    let gaps = std::array::from_fn(|k| if k == 0 { GapPoint { y, w } } else { unused });
+    ModalStart::new(&[x], &[v], gaps).unwrap()
+}
 
 /// A mass ratio that moves the structure by less than rounding.
 const NOTHING: f64 = 1e-30;
@@ -42,7 +66,7 @@ struct Event<R> {
 #[derive(Debug)]
 struct Watch<R: Real> {
     events: Vec<Event<R>>,
-    before: Option<(bool, SlidingState<R>)>,
+    before: Option<(bool, State<R>)>,
     /// True after an event that is told in another way.
     told: bool,
     released: Vec<R>,
@@ -55,7 +79,7 @@ impl<R: Real> Watch<R> {
 }
 
 impl<R: Real> Observer<Sliding<R>> for Watch<R> {
-    fn span<M: Motion<Real = R, State = SlidingState<R>>>(
+    fn span<M: Motion<Real = R, State = State<R>>>(
         &mut self,
         _system: &Sliding<R>,
         span: &Span<'_, M>,
@@ -63,7 +87,7 @@ impl<R: Real> Observer<Sliding<R>> for Watch<R> {
         let now = *span.motion.origin();
         let told = std::mem::replace(&mut self.told, false);
         if let Some((_, before)) = self.before.filter(|_| !told) {
-            let [was, is] = [before.direction(), now.direction()];
+            let [was, is] = [before, now].map(|it| it.direction(0).unwrap());
             if was != is && span.motion.wall().is_none() {
                 let kind = match (was == 0.0, is == 0.0) {
                     (_, true) => "held",
@@ -81,23 +105,23 @@ impl<R: Real> Observer<Sliding<R>> for Watch<R> {
     fn impact(&mut self, _system: &Sliding<R>, _impact: &iva_core::impact::Impact<R>) {
         self.told = true;
     }
-    fn stick(&mut self, _system: &Sliding<R>, _from: &Instant<SlidingState<R>, R>) {
+    fn stick(&mut self, _system: &Sliding<R>, _from: &Instant<State<R>, R>) {
         self.told = true;
     }
-    fn release(&mut self, system: &Sliding<R>, from: &Instant<SlidingState<R>, R>) {
+    fn release(&mut self, system: &Sliding<R>, from: &Instant<State<R>, R>) {
         use iva_core::absorber::OnStructure;
         self.told = true;
         self.released.push(system.primary(&from.state).v);
     }
-    fn impulse(&mut self, _system: &Sliding<R>, _state: &SlidingState<R>, _work: R) {
+    fn impulse(&mut self, _system: &Sliding<R>, _state: &State<R>, _work: R) {
         self.told = true;
     }
 }
 
-type Told<R> = (Tally<SlidingState<R>, R>, Vec<Event<R>>);
+type Told<R> = (Tally<State<R>, R>, Vec<Event<R>>);
 
 /// All events of a run in order of time. Of a chatter that ends in stick the turns are left out.
-fn events<R: Real>(system: &Sliding<R>, start: &Start<R>, limits: &Limits<R>) -> Told<R> {
+fn events<R: Real>(system: &Sliding<R>, start: &Begin<R>, limits: &Limits<R>) -> Told<R> {
     let mut seen = (Events::default(), Watch::new());
     let tally = simulate(system, start, limits, None, &mut seen).unwrap();
     let (Events { impacts, episodes }, Watch { events: mut found, released, .. }) = seen;
@@ -112,8 +136,8 @@ fn events<R: Real>(system: &Sliding<R>, start: &Start<R>, limits: &Limits<R>) ->
         found.retain(|event| event.kind != "turned" || !chatters(event));
     }
     for it in &impacts {
-        let place =
-            system.without_friction().offset() + R::from(it.wall.sign()) * clearance(system);
+        let mass = &system.masses()[0];
+        let place = mass.offset() + R::from(it.wall.sign()) * mass.clearance();
         let numbers = [it.velocity_before, place, it.gap_velocity_before];
         let (side, time) = (it.wall.sign(), it.time);
         found.push(Event { kind: "impact", side, time, numbers });
@@ -131,25 +155,17 @@ fn events<R: Real>(system: &Sliding<R>, start: &Start<R>, limits: &Limits<R>) ->
     (tally, found)
 }
 
-fn clearance<R: Real>(system: &Sliding<R>) -> R {
-    use iva_core::absorber::Absorber;
-    system.clearance()
-}
-
 fn free<R: Real>() -> Force<R> {
     Force::default()
 }
 
 /// A block on a floor that it does not move, with walls far away.
 fn block<R: Real>(gravity: f64, friction: f64, clearance: f64) -> Sliding<R> {
-    let of = R::from;
-    let siva = Siva::new(of(NOTHING), of(0.5), of(clearance), of(0.0)).unwrap();
-    Sliding::new(&siva, of(gravity), of(friction), free()).unwrap()
+    sliding([NOTHING, 0.5, clearance, 0.0, gravity, friction].map(R::from), 0.0, free())
 }
 
-fn start<R: Real>([x, v, y, w]: [f64; 4]) -> Start<R> {
-    let of = R::from;
-    Start { displacement: of(x), velocity: of(v), gap_displacement: of(y), gap_velocity: of(w) }
+fn start<R: Real>(numbers: [f64; 4]) -> Begin<R> {
+    begun(numbers.map(R::from))
 }
 
 /// A block that slides on a floor at rest stops after w²/2R and w/R, and stays there (closed form).
@@ -198,8 +214,7 @@ fn a_block_comes_down_a_steep_incline_and_rests_on_its_stop() {
     for (gravity, friction, e) in
         [(0.5, 0.2, 0.7), (0.5, 0.49, 0.9), (2.0, 1e-3, 0.3), (1.0, 0.4, 1.0)]
     {
-        let siva = Siva::new(NOTHING, e, 10.0, 0.0).unwrap();
-        let system = Sliding::new(&siva, gravity, friction, free()).unwrap();
+        let system = sliding([NOTHING, e, 10.0, 0.0, gravity, friction], 0.0, free());
         let (out, back) = (gravity + friction, gravity - friction);
         let (r, each) = (f64::sqrt(back / out), 1.0 / out + 1.0 / f64::sqrt(out * back));
         let rho: f64 = e * r;
@@ -327,18 +342,12 @@ fn read(value: &Value) -> Twofold {
 /// A scene of the reference.
 fn referred<R: Real>(scene: &Value, of: impl Fn(Twofold) -> R) -> Told<R> {
     let n = |key: &str| of(read(&scene[key]));
-    let siva = Siva::new(n("mu"), n("e"), n("gamma"), n("zeta")).unwrap();
     let harmonic =
         Harmonic { amplitude: n("F"), frequency: n("Omega"), phase: R::ZERO, acts: Acts::Primary };
     let parts = if harmonic.amplitude == 0.0 { vec![] } else { vec![harmonic] };
     let force = Force::harmonic(parts).unwrap();
-    let system = Sliding::new(&siva, n("G"), n("R"), force).unwrap();
-    let start = Start {
-        displacement: n("x"),
-        velocity: n("v"),
-        gap_displacement: n("y"),
-        gap_velocity: n("w"),
-    };
+    let system = sliding(["mu", "e", "gamma", "zeta", "G", "R"].map(n), 0.0, force);
+    let start = begun(["x", "v", "y", "w"].map(n));
     let mut limits = Limits::new(n("tau_end"), n("gamma"));
     limits.chatter_floor = of(Twofold::from(1e-6));
     events(&system, &start, &limits)
@@ -423,14 +432,13 @@ impl Drawn {
     /// The scene with each number of it passed through `of`.
     fn system<R: Real>(&self, friction: R, of: impl Fn(f64) -> R) -> Sliding<R> {
         let [mu, e, d, zeta, gravity, _] = self.numbers.map(&of);
-        let siva = Siva::new(mu, e, d, zeta).unwrap().with_offset(of(self.offset)).unwrap();
         let acts = if self.base { Acts::Base } else { Acts::Primary };
         let parts = self.harmonic.map(|it| {
             let [amplitude, frequency, phase] = it.map(&of);
             Harmonic { amplitude, frequency, phase, acts }
         });
         let force = Force::harmonic(parts.into_iter().collect()).unwrap();
-        Sliding::new(&siva, gravity, friction, force).unwrap()
+        sliding([mu, e, d, zeta, gravity, friction], self.offset, force)
     }
 
     fn friction(&self) -> f64 {
@@ -475,10 +483,7 @@ fn random_scenes_agree_with_twice_the_precision() {
                     * (Twofold::from(1.0) + draw.borrow_mut().range(-1.0, 1.0) * moved)
             };
             let system = drawn.system(of(drawn.friction()), of);
-            let [x, v, y, w] = drawn.start.map(of);
-            let start =
-                Start { displacement: x, velocity: v, gap_displacement: y, gap_velocity: w };
-            events(&system, &start, &drawn.limits(25.0))
+            events(&system, &begun(drawn.start.map(of)), &drawn.limits(25.0))
         };
         let (exactly, truth) = exact(0.0);
         assert_eq!(exactly.outcome, Outcome::Finished, "{scene}: {drawn:?}");
@@ -556,25 +561,6 @@ fn the_mirror_image_has_the_same_bits() {
         assert_eq!(tally.outcome, Outcome::Finished);
     }
     assert!(compared > 1000, "{compared}");
-}
-
-/// Without friction every impact has the bits of a free mass on the same structure.
-#[test]
-fn without_friction_it_is_the_free_mass_to_the_bit() {
-    let mut rng = Rng::new(23);
-    let mut impacts = 0;
-    for scene in 0..60 {
-        let drawn = Drawn::new(&mut rng);
-        let system = drawn.system(0.0, f64::from);
-        let (limits, start) = (drawn.limits(60.0), start(drawn.start));
-        let ours = run(&system, &start, &limits).unwrap();
-        let free = run(system.without_friction(), &start, &limits).unwrap();
-        assert_eq!(ours.impacts, free.impacts, "{scene}: {drawn:?}");
-        assert_eq!(ours.episodes, free.episodes, "{scene}: {drawn:?}");
-        assert_eq!(ours.tally.without_state(), free.tally.without_state(), "{scene}");
-        impacts += ours.impacts.len();
-    }
-    assert!(impacts > 1000, "{impacts}");
 }
 
 /// A block on a floor of acceleration −sin τ that starts with w₀ slows down until sin τ = R, where its speed has the minimum
@@ -657,11 +643,10 @@ fn a_stop_at_a_wall_is_decided() {
 /// R does not move it. The ledger closes.
 #[test]
 fn impulses_and_jumps_act_on_a_held_mass() {
-    let siva = Siva::new(0.2, 0.5, 5.0, 0.05).unwrap();
     let still = start([0.0, 0.0, 0.5, 0.0]);
     let limits = Limits::new(30.0, 5.0);
     let watch = |force: Force| {
-        let system = Sliding::new(&siva, 0.0, 0.3, force).unwrap();
+        let system = sliding([0.2, 0.5, 5.0, 0.05, 0.0, 0.3], 0.0, force);
         let found = events(&system, &still, &limits);
         let run = run(&system, &still, &limits).unwrap();
         assert!(run.measures.energy_residual.abs() < 1e-14, "{:e}", run.measures.energy_residual);
@@ -694,7 +679,9 @@ fn impulses_and_jumps_act_on_a_held_mass() {
 /// A negative friction is refused in one sentence.
 #[test]
 fn a_negative_friction_is_refused() {
-    let siva = Siva::new(0.1, 0.5, 1.0, 0.0).unwrap();
-    let error = Sliding::new(&siva, 0.0, -0.1, free()).unwrap_err().to_string();
-    assert_eq!(error, "absorber.friction = -0.1: give a deceleration of 0 or more");
+    let structure = ModalStructure::new(&[1.0], &[0.0]).unwrap().with_point("top", &[1.0]).unwrap();
+    let mass = FreeMass::new(0.1, 0.5, 1.0).unwrap();
+    let system = Modal::new(structure, [(mass, "top")]).unwrap();
+    let error = system.with_friction(&[-0.1]).unwrap_err().to_string();
+    assert_eq!(error, "absorber.0.friction = -0.1: give 0 or more");
 }

@@ -14,10 +14,9 @@ use nalgebra::{DMatrix, DVector};
 use super::columns;
 use super::lists::{DifferentiableList, Moved, place, tail_of};
 use crate::absorber::several::Several;
-use crate::absorber::sliding::Sliding;
-use crate::absorber::{Absorber, OnStructure as _, Point};
+use crate::absorber::{Absorber, Point};
+use crate::host::Host;
 use crate::host::oscillator::Equation;
-use crate::host::{Host, Structure as _};
 
 /// The linear structure and the masses on it.
 #[derive(Debug, Clone)]
@@ -358,25 +357,5 @@ impl<H: Host<Real = f64>> LinearMasses for Several<H> {
             .zip(carried)
             .flat_map(|(gap, carried)| if *carried { [0.0; 2] } else { [gap.w, -a] });
         DVector::from_iterator(2 + 2 * carried.len(), [v, a - base].into_iter().chain(gaps))
-    }
-}
-
-impl LinearMasses for Sliding {
-    fn linear(&self) -> LinearStructure {
-        LinearStructure::moving_as_one(self.level.host.damping_ratio(), vec![self.mass_ratio()])
-    }
-
-    fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool> {
-        vec![sticks || state.is_held()]
-    }
-
-    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
-        let host = &self.going(state.direction).host;
-        let (primary, phase) = (&state.seen.host.primary, &state.seen.host.phase);
-        let structure = if carried[0] { host.loaded() } else { host.free() };
-        let a = structure.acceleration(phase, primary).value;
-        let [base, ..] = structure.base(phase);
-        let gap = if carried[0] { [0.0; 2] } else { [state.seen.gap_velocity(), -a] };
-        DVector::from_column_slice(&[primary.v.value, a - base, gap[0], gap[1]])
     }
 }

@@ -12,6 +12,10 @@ use crate::segment::contact::Stretch;
 use crate::segment::flight::Jet;
 use crate::segment::slide::Slide;
 
+/// Masses whose distances differ by less than this, in units of 2⁻⁵² of the clearance, and their rates as little, move as one: rounding
+/// has parted them.
+const ALIKE_ULPS: f64 = 4.0;
+
 /// Largest pressure of a stuck mass that is released with another, in units of 2⁻⁵² of the terms that cancel in it.
 const RELEASED_ULPS: f64 = 16.0;
 
@@ -184,9 +188,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
                 let met = met.moved(later, acceleration);
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
             } else if !place.carried() {
-                let within = R::EPSILON * AT_ONCE_ULPS;
+                let alike = self.masses[k].clearance * (R::EPSILON * ALIKE_ULPS);
                 let meets = |seen: &Place<R>| {
-                    seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
+                    let Place { side, distance, rate, .. } = seen;
+                    let apart = (rate.value - met.rate.value).abs();
+                    let twin = *side == met.side && distance.value <= alike && apart <= alike;
+                    let soon = distance.value <= -rate.value * (R::EPSILON * AT_ONCE_ULPS);
+                    rate.value < 0.0 && (soon || twin)
                 };
                 let across = place.measured_from(wall_of(place.side).opposite(), &self.masses[k]);
                 if let Some(seen) = [*place, across].into_iter().find(meets) {

@@ -66,42 +66,43 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// Solves (μ⁻¹ + ΦᵀΦ) P = rhs for the masses that are included, by Gauss's elimination: the matrix is symmetric and
-    /// positive definite.
+    /// positive definite. The others have no impulse.
     pub(super) fn impulses(
         &self,
         included: [bool; N],
         rhs: [DoubleDouble<R>; N],
     ) -> [DoubleDouble<R>; N] {
+        let (mut masses, mut count) = ([0; N], 0);
+        for k in (0..self.count).filter(|k| included[*k]) {
+            masses[count] = k;
+            count += 1;
+        }
+        let masses = &masses[..count];
+        let mut impulses = [DoubleDouble::ZERO; N];
+        if let [k] = *masses {
+            impulses[k] = rhs[k] / (self.mobility[k][k] + self.lightness(k));
+            return impulses;
+        }
         let (mut a, mut b) = (self.mobility, rhs);
-        b[self.count..].fill(DoubleDouble::ZERO);
-        for k in 0..self.count {
-            a[k][k] = a[k][k] + self.lightness(k);
-            for l in 0..self.count {
-                if l != k && !(included[k] && included[l]) {
-                    a[k][l] = DoubleDouble::ZERO;
+        for k in masses {
+            a[*k][*k] = a[*k][*k] + self.lightness(*k);
+        }
+        for (p, pivot) in masses.iter().enumerate() {
+            let (above, right) = (a[*pivot], b[*pivot]);
+            for i in &masses[p + 1..] {
+                let share = a[*i][*pivot] / above[*pivot];
+                for j in &masses[p..] {
+                    a[*i][*j] = a[*i][*j] - share * above[*j];
                 }
-            }
-            if !included[k] {
-                b[k] = DoubleDouble::ZERO;
+                b[*i] = b[*i] - share * right;
             }
         }
-        for p in 0..self.count {
-            for i in p + 1..self.count {
-                let share = a[i][p] / a[p][p];
-                let above = a[p];
-                for (element, over) in a[i].iter_mut().zip(above).skip(p) {
-                    *element = *element - share * over;
-                }
-                b[i] = b[i] - share * b[p];
-            }
+        for (p, pivot) in masses.iter().enumerate().rev() {
+            let known = masses[p + 1..].iter();
+            let left = known.fold(b[*pivot], |left, j| left - a[*pivot][*j] * impulses[*j]);
+            impulses[*pivot] = left / a[*pivot][*pivot];
         }
-        for p in (0..self.count).rev() {
-            for j in p + 1..self.count {
-                b[p] = b[p] - a[p][j] * b[j];
-            }
-            b[p] = b[p] / a[p][p];
-        }
-        b
+        impulses
     }
 
     /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two);

@@ -181,6 +181,16 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         Place { distance, rate, shaken, ..*place }
     }
 
+    /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
+    #[inline(always)]
+    fn approach(&self, k: usize, h: R) -> [R; 3] {
+        let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
+        let [bent, gained, bend] = self.curved(k).plainly(self.share(h));
+        let travelled = side.mul_add(bent, rate.value * h);
+        let rate = (*side * over).mul_add(gained, rate.value);
+        [distance.value + travelled, rate, *side * over * over * bend]
+    }
+
     /// A and its derivatives that come with a place of the absorber at hand; those at the begin where none do.
     pub(super) fn shaken(&self, place: &Place<R>) -> [R; 4] {
         let begin = || self.place(self.at_hand(), R::ZERO).shaken;
@@ -312,21 +322,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         if from.carried() || self.system.friction[k] != 0.0 {
             return None;
         }
-        let (from, to) = (&self.place(k, R::ZERO), &self.place(k, length));
-        let [values, rates] = [[from.distance, to.distance], [from.rate, to.rate]];
-        let ends = [values, rates].map(|ends| ends.map(|end| end.value));
+        let [[begin, rate, bend], [end, end_rate, end_bend]] =
+            [R::ZERO, length].map(|h| self.approach(k, h));
+        let ends = [[begin, end], [rate, end_rate]];
         let (side, level) = only_contact(ends, self.magnitude(), self.fourth(), length)?;
-        let bends = [from, to].map(|place| from.side * self.shaken(place)[0]);
         let h = {
             meeting(
                 ends,
-                bends,
+                [bend, end_bend],
                 level,
                 length,
                 #[inline(always)]
                 |h| {
-                    let Place { distance, rate, .. } = self.place(k, h);
-                    [(distance.value - level) + distance.rest, rate.value]
+                    let [distance, rate, _] = self.approach(k, h);
+                    [distance - level, rate]
                 },
             )
         }?;

@@ -61,6 +61,12 @@ impl<H: Host, const N: usize, const M: usize> ModalState<H, N, M> {
         self
     }
 
+    /// Which way a mass that rubs goes: +1 up y, −1 down, 0 if friction holds it in its gap; at rest on a wall, the direction in which it would
+    /// leave. `None` without such a mass.
+    pub fn direction(&self, mass: usize) -> Option<H::Real> {
+        self.places.get(mass).map(|place| place.sliding)
+    }
+
     /// qⱼ and q̇ⱼ.
     pub fn modes(&self) -> &Modes<H::Real, M> {
         &self.modes
