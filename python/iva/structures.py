@@ -75,8 +75,9 @@ class Structure:
     absorber_at : str or sequence of str, optional
         The point at which the absorber rides, or those of all absorbers of a list; needed where
         there are several points.
-    force_at : str, optional
-        The point at which forces act; by default that of the first absorber.
+    force_at : str or sequence of str, optional
+        The point at which forces act, or those of all forces of a list in their order; by default
+        that of the first absorber. Records and impulses have one point together.
     seen_at : str, optional
         The point that runs see; by default that of the first absorber, also of a run without.
     seen_mode : int, optional
@@ -126,7 +127,7 @@ class Structure:
     points: Mapping[str, Sequence[float]] | Sequence[str] | None = None
     base: Sequence[float] | None = None
     absorber_at: str | Sequence[str] | None = None
-    force_at: str | None = None
+    force_at: str | Sequence[str] | None = None
     seen_at: str | None = None
     seen_mode: int | None = None
     natural_mode: int | None = None

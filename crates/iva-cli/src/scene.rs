@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::{FieldId, Quantity};
-use iva_sweep::scene::{Absorber, Acts, Harmonic, Parameters};
+use iva_sweep::scene::{Absorber, Acts, Force, Harmonic, Parameters};
 use iva_sweep::structure::Structure;
 use iva_sweep::study::Study;
 use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
@@ -281,17 +281,24 @@ fn forces(designs: &[Design], units: UnitSystem, shown: Shown) -> Vec<String> {
         return Vec::new();
     };
     let mut lines = Vec::new();
-    for number in 0..first.harmonics().len() {
+    let all = |force: &Force| -> Vec<Harmonic> {
+        force
+            .harmonics()
+            .iter()
+            .chain(force.elsewhere().iter().map(|(_, it)| it))
+            .copied()
+            .collect()
+    };
+    for (number, Harmonic { acts, .. }) in all(first).into_iter().enumerate() {
         let of = |read: &dyn Fn(&Harmonic) -> f64| {
-            let harmonic = |design: &Design| design.scene.force()?.harmonics().get(number).copied();
+            let harmonic = |design: &Design| all(design.scene.force()?).get(number).copied();
             range(designs, |design| harmonic(design).map_or(f64::NAN, |harmonic| read(&harmonic)))
         };
         let amplitude = of(&|harmonic| shown.value(Quantity::Length, harmonic.amplitude.abs()));
         let length = in_words(shown);
         let frequency = of(&|harmonic| harmonic.frequency);
         if designs.iter().all(|design| design.scene.has_modes()) {
-            let acts = first.harmonics().get(number).map(|harmonic| harmonic.acts);
-            let on = if acts == Some(Acts::Base) { "the base" } else { "the structure" };
+            let on = if acts == Acts::Base { "the base" } else { "the structure" };
             lines.push(format!("Force on {on}, of {frequency} times the natural frequency"));
             continue;
         }

@@ -50,6 +50,7 @@ pub struct Force<R = f64> {
     harmonics: Vec<Harmonic<R>>,
     records: Vec<Record<R>>,
     kicks: Vec<Kick<R>>,
+    elsewhere: Vec<(usize, Harmonic<R>)>,
 }
 
 /// An event of the force: an impulse, or a jump of a record (with velocity 0).
@@ -83,7 +84,18 @@ impl<R: Real> Force<R> {
             }
         }
         kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&R::ZERO));
-        Ok(Self { harmonics, records, kicks })
+        Ok(Self { harmonics, records, kicks, elsewhere: vec![] })
+    }
+
+    /// The same force, with harmonic parts at other points of a structure than that on which it acts itself: each with the index of its
+    /// point. Only [`crate::absorber::modal`] has points.
+    ///
+    /// # Errors
+    /// As [`Force::new`].
+    pub fn with_elsewhere(mut self, elsewhere: Vec<(usize, Harmonic<R>)>) -> Result<Self, Invalid> {
+        elsewhere.iter().try_for_each(|(_, harmonic)| harmonic.check())?;
+        self.elsewhere = elsewhere;
+        Ok(self)
     }
 
     /// A sum of harmonic forces.
@@ -97,6 +109,16 @@ impl<R: Real> Force<R> {
     /// Its harmonic parts.
     pub fn harmonics(&self) -> &[Harmonic<R>] {
         &self.harmonics
+    }
+
+    /// Its harmonic parts at other points, each with the index of its point.
+    pub fn elsewhere(&self) -> &[(usize, Harmonic<R>)] {
+        &self.elsewhere
+    }
+
+    /// The first of its harmonic parts, wherever it acts.
+    pub fn first_harmonic(&self) -> Option<&Harmonic<R>> {
+        self.harmonics.iter().chain(self.elsewhere.iter().map(|(_, it)| it)).next()
     }
 
     /// Its recorded parts.
@@ -117,7 +139,8 @@ impl<R: Real> Force<R> {
 
     /// True if it consists of one harmonic force only.
     pub fn is_single(&self) -> bool {
-        self.harmonics.len() == 1 && self.records.is_empty() && self.kicks.is_empty()
+        let others = self.records.is_empty() && self.kicks.is_empty() && self.elsewhere.is_empty();
+        self.harmonics.len() == 1 && others
     }
 
     /// The number of its impulses and jumps.
@@ -127,13 +150,13 @@ impl<R: Real> Force<R> {
 
     /// The record, if it consists of one record only. (Its jumps are at its ends.)
     pub(crate) fn record_alone(&self) -> Option<&Record<R>> {
-        let alone = self.harmonics.is_empty() && self.impulses().next().is_none();
+        let alone = self.first_harmonic().is_none() && self.impulses().next().is_none();
         if let [record] = self.records.as_slice() { alone.then_some(record) } else { None }
     }
 
     /// True if it has harmonic or recorded parts, not impulses only.
     pub fn lasts(&self) -> bool {
-        !(self.harmonics.is_empty() && self.records.is_empty())
+        self.first_harmonic().is_some() || !self.records.is_empty()
     }
 
     /// True if the base moves.
@@ -153,7 +176,8 @@ impl<R: Real> Force<R> {
 
     /// The highest frequency of its harmonic parts in ωn, 0 without any.
     pub fn fastest(&self) -> R {
-        self.harmonics.iter().fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
+        let all = self.harmonics.iter().chain(self.elsewhere.iter().map(|(_, it)| it));
+        all.fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
     }
 
     /// Taylor coefficients of f/M and a_g about `time`, in powers of t/h.

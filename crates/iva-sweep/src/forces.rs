@@ -146,6 +146,14 @@ impl ForceSpec {
         self.nature() != Nature::Impulse
     }
 
+    /// True of a record or an impulse that acts on the structure, not on its base.
+    pub(crate) fn is_bound(&self) -> bool {
+        match &self.record {
+            Some(record) => record.kind != RecordKind::BaseAcceleration,
+            None => self.nature() == Nature::Impulse,
+        }
+    }
+
     /// True if a field does not belong to a force of this kind.
     pub fn is_foreign(&self, field: FieldId) -> bool {
         Nature::of(field) != self.nature()

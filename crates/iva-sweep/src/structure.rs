@@ -8,6 +8,7 @@ use iva_core::error::{Invalid, number};
 use iva_core::number::real::Real;
 
 use crate::fields::nearest;
+use crate::forces::ForceSpec;
 
 use reader::{Reader, counted, form};
 
@@ -69,7 +70,7 @@ pub struct Structure {
     /// Of each mode or coordinate: how it takes part in a motion of the base.
     base: Option<Vec<f64>>,
     absorbers_at: Vec<String>,
-    force_at: Option<String>,
+    forces_at: Vec<String>,
     seen_at: Option<String>,
     /// Index of the mode of which runs see the part in the motion of their point; `None`: they see all of it.
     seen_mode: Option<usize>,
@@ -129,14 +130,17 @@ impl Structure {
                 _ => Err(form(name, &Entry::Names(names), "the name of a point")),
             })
         };
-        let [force_at, seen_at] = [named("force_at")?, named("seen_at")?];
+        let seen_at = named("seen_at")?;
         let seen_mode = read.mode("seen_mode", n)?;
         let natural_mode = read.mode("natural_mode", n)?.unwrap_or(0);
         let absorbers_at = read.names("absorber_at")?.unwrap_or_default();
-        for (field, given) in [("force_at", force_at.as_slice()), ("seen_at", seen_at.as_slice())]
-            .into_iter()
-            .chain([("absorber_at", &absorbers_at[..])])
-        {
+        let forces_at = read.names("force_at")?.unwrap_or_default();
+        let all = [
+            ("force_at", &forces_at[..]),
+            ("seen_at", seen_at.as_slice()),
+            ("absorber_at", &absorbers_at[..]),
+        ];
+        for (field, given) in all {
             let unknown = given.iter().find(|name| points.iter().all(|(it, _)| it != *name));
             if let Some(name) = unknown {
                 let all: Vec<&str> = points.iter().map(|(name, _)| name.as_str()).collect();
@@ -150,7 +154,7 @@ impl Structure {
             points,
             base,
             absorbers_at,
-            force_at,
+            forces_at,
             seen_at,
             seen_mode,
             natural_mode,
@@ -257,9 +261,46 @@ impl Structure {
         Ok((modes.with_point(&name, &part)?, name))
     }
 
-    /// The point at which the force acts.
-    pub(crate) fn pushed(&self) -> &str {
-        self.force_at.as_deref().or(self.first_absorber_at()).unwrap_or_default()
+    /// The point at which the force of this number acts, of so many.
+    ///
+    /// # Errors
+    /// [`Invalid`] where several points are given, but not one for each force.
+    pub(crate) fn force_at(&self, force: usize, count: usize) -> Result<&str, Invalid> {
+        match self.forces_at.as_slice() {
+            [] => Ok(self.first_absorber_at().unwrap_or_default()),
+            [one] => Ok(one),
+            all if all.len() == count => Ok(&all[force]),
+            all => {
+                let rule = format!("give one point for all, or {count}, one for each force");
+                Err(Invalid::new(path("force_at"), format!("{} names", all.len()), rule))
+            }
+        }
+    }
+
+    /// The point on which records and impulses act, and harmonic forces unless they say otherwise: that of the first record or impulse
+    /// that does not move the base, or else that of the first force.
+    ///
+    /// # Errors
+    /// As [`Structure::force_at`], and if records and impulses have several points.
+    pub(crate) fn pushed(&self, forces: &[ForceSpec]) -> Result<&str, Invalid> {
+        let count = forces.len();
+        let mut bound = (0..count).filter(|number| forces[*number].is_bound());
+        let first = self.force_at(bound.next().unwrap_or(0), count.max(1))?;
+        for number in bound {
+            let point = self.force_at(number, count)?;
+            if point != first {
+                let rule = format!(
+                    "another record or impulse acts at {first}: give all of them one point"
+                );
+                return Err(Invalid::new(path("force_at"), format!("\"{point}\""), rule));
+            }
+        }
+        Ok(first)
+    }
+
+    /// The index of a point.
+    pub(crate) fn index_of(&self, point: &str) -> usize {
+        self.points().position(|name| name == point).unwrap_or_default()
     }
 
     /// The structure of the core, with 1/`omega` (in s) as the unit of time.

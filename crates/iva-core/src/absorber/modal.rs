@@ -52,7 +52,7 @@ use std::sync::OnceLock;
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
 use crate::error::Invalid;
-use crate::force::Force;
+use crate::force::{Acts, Force};
 use crate::host::{DrivenHost, Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -226,7 +226,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         Ok(self)
     }
 
-    /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
+    /// The same masses on the same structure under a force that acts at a named point, and where it says so at others, or on a base that it
+    /// moves.
     ///
     /// # Errors
     /// [`Invalid`] for a point that the structure does not have, for impulses at another point than that which a run
@@ -237,6 +238,12 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         point: &str,
     ) -> Result<Modal<DrivenHost<R>, N, M>, Invalid> {
         let pushed = self.whole.point("force.point", point)?;
+        force.elsewhere().iter().try_for_each(|(point, harmonic)| {
+            let rule = "a harmonic part elsewhere acts at one of the points of the structure";
+            let fits = *point < self.whole.points().count() && harmonic.acts == Acts::Primary;
+            let wrong = || Invalid::new("force.elsewhere", point.to_string(), rule);
+            if fits { Ok(()) } else { Err(wrong()) }
+        })?;
         if force.kicks() > 0 && pushed != self.seen {
             return Err(Invalid::new("force.point", point, KICKED));
         }

@@ -119,7 +119,7 @@ impl<R: Real> Harmonic<R> {
     }
 
     /// The largest size of its derivative of this order.
-    pub(super) fn largest(&self, order: i32) -> R {
+    pub(crate) fn largest(&self, order: i32) -> R {
         (0..order).fold(self.amplitude.abs(), |size, _| size * self.frequency)
     }
 

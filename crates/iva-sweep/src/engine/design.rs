@@ -61,7 +61,9 @@ impl<R: Real> Design<R> {
     /// [`Invalid`] for numbers that the core refuses.
     pub fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
         let Self { scene, window, limits, .. } = self;
-        let Some(force) = scene.force().filter(|_| scene.moves_as_one()) else { return Ok(None) };
+        let at_one_point = |force: &&Force<R>| force.elsewhere().is_empty();
+        let force = scene.force().filter(|_| scene.moves_as_one()).filter(at_one_point);
+        let Some(force) = force else { return Ok(None) };
         let zeta = scene.damping_ratio();
         let from = (scene.primary(), self.begin);
         steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
@@ -362,7 +364,7 @@ impl<R: Real> Given<'_, R> {
             }
             None => begin,
         };
-        Ok(Window { from, cycle: force.harmonics().first().copied() })
+        Ok(Window { from, cycle: force.first_harmonic().copied() })
     }
 
     /// A ratio computed from a given field, if it is in its own range.
@@ -407,7 +409,7 @@ impl<R: Real> Given<'_, R> {
 
 /// Length of a cycle of the harmonic force, in 1/ωn; `field` is given in such cycles.
 fn cycle<R: Real>(field: FieldId, value: R, force: &Force<R>) -> Result<R, Invalid> {
-    let harmonic = force.harmonics().first().ok_or_else(|| {
+    let harmonic = force.first_harmonic().ok_or_else(|| {
         let rule = "it counts cycles of a harmonic force, and there is none";
         Invalid::new(field.path(), number(value), rule)
     })?;

@@ -37,17 +37,28 @@ pub(crate) fn force<R: Real>(
     if forces.is_empty() && impulses.is_empty() {
         return Ok(Force::default());
     }
-    let (mut harmonics, mut records) = (Vec::new(), Vec::new());
+    let structure = given.spec.structure();
+    let pushed = structure.map(|it| it.pushed(forces)).transpose()?;
+    let (mut harmonics, mut records, mut elsewhere) = (Vec::new(), Vec::new(), Vec::new());
     for (number, spec) in forces.iter().enumerate() {
         let reader = Reader { given, spec, number, count: forces.len(), scale, units };
         reader.check_nature()?;
         match (&spec.record, spec.nature()) {
             (Some(recorded), _) => records.push(reader.record(recorded)?),
             (None, Nature::Impulse) => impulses.push(reader.impulse()?),
-            (None, _) => harmonics.push(reader.harmonic()?),
+            (None, _) => {
+                let harmonic = reader.harmonic()?;
+                let at = structure.map(|it| it.force_at(number, forces.len())).transpose()?;
+                match structure.zip(at).filter(|_| harmonic.acts == Acts::Primary && at != pushed) {
+                    Some((structure, point)) => {
+                        elsewhere.push((structure.index_of(point), harmonic));
+                    }
+                    None => harmonics.push(harmonic),
+                }
+            }
         }
     }
-    Force::new(harmonics, records, &impulses)
+    Force::new(harmonics, records, &impulses)?.with_elsewhere(elsewhere)
 }
 
 /// The impulse of the start, which acts at time zero.

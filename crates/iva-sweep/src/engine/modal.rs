@@ -56,7 +56,8 @@ pub(super) fn scene<R: Real>(
     }
     let primary = [start.displacement, start.velocity];
     let begin = structure.begin(&modes, primary, omega)?;
-    mounted(given, modes, riding, begin, [&seen, structure.pushed()], force)
+    let pushed = structure.pushed(given.spec.forces())?;
+    mounted(given, modes, riding, begin, [&seen, pushed], force)
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,

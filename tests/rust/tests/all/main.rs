@@ -24,6 +24,7 @@ mod fast_errors;
 mod fast_tier;
 mod flight;
 mod forced;
+mod forces_at_points;
 mod friction;
 mod gradients;
 mod impulses;

@@ -15,7 +15,7 @@ use super::series::{EXACT, ModalSeries, Series, Term, scaled};
 use super::state::Modes;
 use super::structure::Damping;
 use super::{Followed, MOST, Modal, ModalState};
-use crate::force::Drive;
+use crate::force::{Drive, Force, Harmonic};
 use crate::host::{Host, Phase, Structure as _};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -47,6 +47,9 @@ pub(super) struct Stuck<R> {
 
 /// Coefficients of f, of a_g, and of gravity, which is 1 at all times.
 pub(super) type Pushed<R> = [DoubleDouble<R>; 3];
+
+/// What a harmonic force at another point is in powers of t, with the index of its point.
+pub(super) type Aside<R> = (usize, [DoubleDouble<R>; ORDER + 1]);
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// What these stuck masses need.
@@ -112,7 +115,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         &self,
         modes: &Modes<R, M>,
         regime: &Regime<'_, R, N>,
-        pushes: impl Fn(usize) -> Pushed<R>,
+        (pushes, asides): (impl Fn(usize) -> Pushed<R>, &[Aside<R>]),
         unit: R,
         (order, exact): (usize, usize),
     ) -> ModalSeries<R> {
@@ -122,9 +125,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for m in 0..=order - 2 {
             let pushed = pushes(m);
             if m + 2 < exact {
-                self.raise::<DoubleDouble<R>>(&mut rows, m, regime, pushed, unit);
+                self.raise::<DoubleDouble<R>>(&mut rows, m, regime, (pushed, asides), unit);
             } else {
-                self.raise::<R>(&mut rows, m, regime, pushed.map(|it| it.value), unit);
+                let pushed = pushed.map(|it| it.value);
+                self.raise::<R>(&mut rows, m, regime, (pushed, asides), unit);
             }
         }
         rows
@@ -136,10 +140,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         &self,
         modes: &Modes<R, M>,
         regime: &Regime<'_, R, N>,
-        fed: &[Pushed<R>],
+        (fed, asides): (&[Pushed<R>], &[Aside<R>]),
         unit: R,
     ) -> ModalSeries<R> {
-        self.series(modes, regime, |m| fed[m], unit, (ORDER, EXACT))
+        self.series(modes, regime, (|m| fed[m], asides), unit, (ORDER, EXACT))
     }
 
     /// Computes the coefficients m + 2 from those before, with the coefficients m of f, a_g and gravity.
@@ -149,7 +153,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         rows: &mut ModalSeries<R>,
         m: usize,
         Regime { stuck, pulls }: &Regime<'_, R, N>,
-        pushed: [T; 3],
+        (pushed, asides): ([T; 3], &[Aside<R>]),
         unit: R,
     ) {
         let n = self.whole.count();
@@ -202,6 +206,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 *force = *force - a * T::from_real(*part);
             }
         }
+        for (point, row) in asides {
+            let aside = T::of(scaled(row[m], square));
+            for (force, phi) in force.iter_mut().zip(self.whole.shape(*point)) {
+                *force = *force + aside * T::from_real(*phi);
+            }
+        }
         let count = stuck.masses.len();
         if count > 0 {
             let mut load = [zero; MOST];
@@ -246,6 +256,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         }
     }
 
+    /// The harmonic forces at other points from a state of the drive on, in powers of t = h/`unit`.
+    pub(super) fn asides(&self, phase: &Phase<H>, unit: R) -> Vec<Aside<R>> {
+        let Some((force, time)) = self.host.force().zip(self.host.time(phase)) else {
+            return vec![];
+        };
+        let of = |(point, harmonic): &(usize, Harmonic<R>)| {
+            let mut row = [DoubleDouble::ZERO; ORDER + 1];
+            harmonic.add_precise(&mut row, time, unit);
+            (*point, row)
+        };
+        force.elsewhere().iter().map(of).collect()
+    }
+
     /// What the curve of a mass is made of, beyond a uniform motion, from the series of all modes:
     /// ∬A from power 2 on up to `order`.
     #[inline(always)]
@@ -283,11 +306,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     #[inline(never)]
     fn shaken_now(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
-        let pushes = self.pushes(&state.phase, R::ONE);
+        let (pushes, asides) =
+            (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE));
         // Of a mass in flight that does not rub A and its rate are enough.
         let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
         let regime = self.regime(&state.places);
-        let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (order, 3));
+        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (order, 3));
         let followed = self.followed(k, place);
         let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
         [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
@@ -312,6 +336,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let pushed = self.whole.shape(self.pushed);
         let none: &[R] = &[];
         let parts = self.whole.participation().unwrap_or(none);
+        let elsewhere = self.host.force().map_or(&[][..], Force::elsewhere);
         let separate = stuck.masses.is_empty() && self.whole.is_separate();
         let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
         let [mut lows, mut rates] = [[R::ZERO; M]; 2];
@@ -321,7 +346,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let phi = shape[j];
             let part = parts.get(j).copied().unwrap_or(R::ZERO);
             if separate {
-                let push = pushed[j].abs() * f + part.abs() * a;
+                let aside = |(point, harmonic): &(usize, Harmonic<R>)| {
+                    self.whole.shape(*point)[j].abs() * harmonic.largest(n as i32)
+                };
+                let asides = elsewhere.iter().fold(R::ZERO, |sum, it| sum + aside(it));
+                let push = pushed[j].abs() * f + part.abs() * a + asides;
                 sum += phi.abs() * (energy.sqrt() + length * push);
             } else {
                 sum += energy;
@@ -346,7 +375,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 sum += mass * (rate * rate);
                 dragged += mass.sqrt();
             }
-            let push = forced.sqrt() * f + (moved.sqrt() + dragged) * a;
+            let asides = elsewhere.iter().fold(R::ZERO, |sum, (point, harmonic)| {
+                let shape = self.whole.shape(*point);
+                sum + along(shape, shape).sqrt() * harmonic.largest(n as i32)
+            });
+            let push = forced.sqrt() * f + (moved.sqrt() + dragged) * a + asides;
             sum = shapes.sqrt() * (sum.sqrt() + length * push);
         }
         let base = if with_base && self.host.moves_base() {
@@ -372,8 +405,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             sum += phi.abs() * (spring + growth * state.modes.velocities[j].value.abs());
         }
         let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(0));
-        let pushed = self.whole.shape(self.pushed).iter().zip(shape);
-        sum + pushed.fold(R::ZERO, |sum, (a, b)| sum + (*a * *b).abs()) * f + a * 2.0
+        let along = |point: usize| {
+            let both = self.whole.shape(point).iter().zip(shape);
+            both.fold(R::ZERO, |sum, (a, b)| sum + (*a * *b).abs())
+        };
+        for (point, harmonic) in self.host.force().map_or(&[][..], Force::elsewhere) {
+            sum += along(*point) * harmonic.largest(0);
+        }
+        sum + along(self.pushed) * f + a * 2.0
     }
 
     /// A short time later: the modes and the drive, and all places but those that `chosen` changes.
@@ -387,9 +426,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if time == 0.0 {
             return *state;
         }
-        let pushes = self.pushes(&state.phase, R::ONE);
+        let (pushes, asides) =
+            (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE));
         let regime = self.regime(&state.places);
-        let rows = self.series(&state.modes, &regime, &pushes, R::ONE, (2, 0));
+        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (2, 0));
         let mut moved = state.renewed();
         for j in 0..self.whole.count() {
             let acceleration = rows.plain(j, 2) * 2.0;

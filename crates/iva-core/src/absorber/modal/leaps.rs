@@ -24,7 +24,7 @@ use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Followed, Modal, ModalState};
 use crate::absorber::{Clock, Coasted};
-use crate::force::{Acts, Force};
+use crate::force::{Acts, Force, Harmonic};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -129,12 +129,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// Adds what a derivative of the drive is to the modes.
     fn push_by(&self, waves: &[[DoubleDouble<R>; 2]; MOST_WAVES], order: usize, bent: &mut [R; M]) {
-        let harmonics = self.host.force().map_or(&[][..], Force::harmonics);
-        for (harmonic, [cosine, sine]) in harmonics.iter().zip(waves) {
+        for ((harmonic, point), [cosine, sine]) in self.waves().zip(waves) {
             let turned = [cosine.value, sine.value, -cosine.value, -sine.value][order % 4];
             let size = (0..order).fold(turned, |size, _| size * harmonic.frequency);
             let (shape, size) = match harmonic.acts {
-                Acts::Primary => (self.whole.shape(self.pushed), size),
+                Acts::Primary => (self.whole.shape(point), size),
                 Acts::Base => (self.whole.participation().unwrap_or(&[]), -size),
             };
             for (bent, part) in bent.iter_mut().zip(shape) {
@@ -170,12 +169,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         keeps_pressing(ends, size + last_size, fifth, length)
     }
 
+    /// The harmonic parts of the drive, each with the index of the point on which it acts unless it moves the base.
+    pub(super) fn waves(&self) -> impl Iterator<Item = (&Harmonic<R>, usize)> {
+        let own = self.host.force().map_or(&[][..], Force::harmonics).iter();
+        let elsewhere = self.host.force().map_or(&[][..], Force::elsewhere).iter();
+        own.map(|it| (it, self.pushed)).chain(elsewhere.map(|(point, it)| (it, *point)))
+    }
+
     /// What feeds the structure from a state on.
     fn feed(&self, state: &ModalState<H, N, M>) -> Feed<R, N> {
         let Regime { pulls, .. } = self.regime(&state.places);
         let mut waves = [[DoubleDouble::ZERO; 2]; MOST_WAVES];
-        if let Some((force, time)) = self.host.force().zip(self.host.time(&state.phase)) {
-            for (wave, harmonic) in waves.iter_mut().zip(force.harmonics()) {
+        if let Some(time) = self.host.time(&state.phase) {
+            for (wave, (harmonic, _)) in waves.iter_mut().zip(self.waves()) {
                 let (s, c) = R::precise_sincos(harmonic.angle(time));
                 *wave = [c, -s].map(|part| part.times(harmonic.amplitude));
             }

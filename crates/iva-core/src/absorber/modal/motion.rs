@@ -66,8 +66,14 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     fn expanded(&self) -> Expansion<R, N> {
         let pushes = self.system.pushes(&self.from.phase, self.unit);
-        let rows =
-            self.system.series(&self.from.modes, &self.regime, &pushes, self.unit, (ORDER, EXACT));
+        let asides = self.system.asides(&self.from.phase, self.unit);
+        let rows = self.system.series(
+            &self.from.modes,
+            &self.regime,
+            (&pushes, &asides),
+            self.unit,
+            (ORDER, EXACT),
+        );
         let base = std::array::from_fn(|m| pushes(m)[1]);
         Expansion { rows, curved: [const { OnceCell::new() }; N], base }
     }

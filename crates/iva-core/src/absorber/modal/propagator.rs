@@ -5,11 +5,11 @@ use super::Modal;
 use std::sync::OnceLock;
 
 use super::columns::{Column, Wave, column, turning, twice, units};
-use super::equations::{Pushed, Regime};
+use super::equations::{Aside, Pushed, Regime};
 use super::forms::Forms;
 use super::state::{Modes, Place};
 use crate::absorber::Clock;
-use crate::force::{Acts, Force};
+use crate::force::Acts;
 use crate::host::Host;
 use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
@@ -268,9 +268,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// Φ of all lengths; `None` where leaps are not worth their price.
     pub(super) fn leaps(&self) -> Option<&Leaps<R>> {
         let n = self.whole.count();
-        let turns =
-            |force: &Force<R>| force.records().is_empty() && force.harmonics().len() <= MOST_WAVES;
-        let fits = self.host.force().is_none_or(turns);
+        let smooth = self.host.force().is_none_or(|force| force.records().is_empty());
+        let fits = smooth && self.waves().count() <= MOST_WAVES;
         if !fits || !(self.whole.is_separate() || n <= MOST_COUPLED) {
             return None;
         }
@@ -304,14 +303,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (high, low) = (vec![R::ZERO; size], vec![R::ZERO; size]);
         let (falls, waves) = (vec![vec![]; self.count], vec![]);
         let mut whole = Propagator { length, high, low, falls, waves };
-        let ends = |modes: &Modes<R, M>, regime: &Regime<'_, R, N>, fed: &[Pushed<R>]| {
-            let rows = self.series_fed(modes, regime, fed, unit);
+        let ends = |modes: &Modes<R, M>,
+                    regime: &Regime<'_, R, N>,
+                    fed: &[Pushed<R>],
+                    asides: &[Aside<R>]| {
+            let rows = self.series_fed(modes, regime, (fed, asides), unit);
             rows.modes::<M>(length / unit, unit)
         };
         let mut still = [[DoubleDouble::ZERO; 3]; ORDER + 1];
         still[0][2] = DoubleDouble::new(R::ONE);
         for (column, modes) in units(n, separate).enumerate() {
-            let ends = ends(&modes, &free, &still);
+            let ends = ends(&modes, &free, &still, &[]);
             for j in 0..n {
                 let (q, v) = (ends.places[j], ends.velocities[j]);
                 for (i, end) in [(j, q), (n + j, v)] {
@@ -324,17 +326,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for k in (0..self.count).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
             let mut pulled = free;
             pulled.pulls[k] = DoubleDouble::new(R::ONE);
-            whole.falls[k] = column(&ends(&Modes::REST, &pulled, &still), n);
+            whole.falls[k] = column(&ends(&Modes::REST, &pulled, &still, &[]), n);
         }
-        for harmonic in self.host.force().map_or(&[][..], Force::harmonics) {
+        for (harmonic, point) in self.waves() {
             let based = harmonic.acts == Acts::Base;
             let columns = turning(DoubleDouble::new(harmonic.frequency).times(unit)).map(|row| {
-                let fed = row.map(|part| {
-                    let [f, a] =
-                        if based { [DoubleDouble::ZERO, part] } else { [part, DoubleDouble::ZERO] };
-                    [f, a, DoubleDouble::ZERO]
-                });
-                let modes = column(&ends(&Modes::REST, &free, &fed), n);
+                let zero = DoubleDouble::ZERO;
+                let fed = row.map(|part| [zero, if based { part } else { zero }, zero]);
+                let aside: &[Aside<R>] = if based { &[] } else { &[(point, row)] };
+                let modes = column(&ends(&Modes::REST, &free, &fed, aside), n);
                 let base = if based { twice(&row, length, unit) } else { [DoubleDouble::ZERO; 2] };
                 Column { modes, base }
             });
