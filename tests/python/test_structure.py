@@ -178,6 +178,87 @@ def test_steady_states_are_frequency_responses() -> None:
             assert run.summary["reduction"].item() is None
 
 
+def test_forces_at_several_points_with_phases_of_their_own() -> None:
+    """(K + iωC − ω²M) X = (F₁, F₂ exp(iφ)); a third of two frequencies, in a study too."""
+    omega, phase = 9.0, 1.1
+    response = STIFFNESS + 1j * omega * DAMPING - omega**2 * MASS
+    true = np.linalg.solve(response, [500.0, 300.0 * np.exp(1j * phase)])
+    forces = [
+        iva.Harmonic(force=500.0, frequency=omega),
+        iva.Harmonic(force=300.0, frequency=omega, phase=phase),
+    ]
+    for k, seen in enumerate(("first", "top")):
+        structure = frame(force_at=["first", "top"], seen_at=seen)
+        assert pickle.loads(pickle.dumps(structure)) == structure
+        run = iva.simulate(
+            None, structure, start=iva.Start(), force=forces, cycles=900, discard=890
+        )
+        amplitude = run.summary["amplitude_max"].item()
+        assert amplitude == pytest.approx(abs(true[k]), rel=1e-9)
+    # By an integrator, over the first second from rest, of unlike frequencies.
+    forces = [
+        iva.Harmonic(force=200.0, frequency=7.0, phase=0.3),
+        iva.Harmonic(force=900.0, frequency=25.0, phase=-1.0),
+    ]
+
+    def pushed(time: float, state: Array) -> Array:
+        push = [200.0 * math.cos(7.0 * time + 0.3), 900.0 * math.cos(25.0 * time - 1.0)]
+        return rates(state) + np.concatenate([np.zeros(2), np.linalg.solve(MASS, push)])
+
+    known = solve_ivp(pushed, (0.0, 1.0), np.zeros(4), method="DOP853", rtol=1e-12, atol=1e-14)
+    run = iva.simulate(
+        None,
+        frame(force_at=["first", "top"], seen_at="top"),
+        start=iva.Start(),
+        force=forces,
+        duration=1.0,
+    )
+    last = run.at([1.0])
+    assert last["displacement"].item() == pytest.approx(known.y[1, -1], rel=1e-9)
+    assert last["velocity"].item() == pytest.approx(known.y[3, -1], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("force_at", "told"),
+    [
+        (["first", "top", "top"], "force_at = 3 names: give one point for all, or 2"),
+        (["first", "roof"], 'force_at = "roof": give one of the points first, top'),
+    ],
+)
+def test_points_of_forces_that_do_not_fit_are_told(force_at: list[str], told: str) -> None:
+    """One sentence with field, value and what is allowed."""
+    force = [iva.Harmonic(force=1.0, frequency=9.0), iva.Harmonic(force=2.0, frequency=8.0)]
+    with pytest.raises(ValueError, match=told):
+        iva.simulate(
+            None, frame(force_at=force_at), start=iva.Start(), force=force, duration=1.0
+        )
+
+
+def test_records_and_impulses_have_one_point() -> None:
+    """A harmonic force may act elsewhere; a second record at another point is refused."""
+    push = iva.Recorded([0.0, 0.1, 0.2], [0.0, 900.0, 0.0], "force_newtons")
+    hum = iva.Harmonic(force=200.0, frequency=25.0)
+    with pytest.raises(ValueError, match="another record or impulse acts at first"):
+        iva.simulate(
+            None,
+            frame(force_at=["first", "top"]),
+            start=iva.Start(),
+            force=[push, push],
+            duration=1.0,
+        )
+    run = iva.simulate(
+        SIVA,
+        frame(force_at=["first", "top"]),
+        start=iva.Start(),
+        force=[push, hum],
+        duration=2.0,
+        verify=True,
+    )
+    assert run.verification is not None
+    assert run.verification.agrees
+    assert run.impacts.height > 0
+
+
 def test_two_absorbers_at_two_points() -> None:
     """Each row of the trajectory has the point seen; absorbers in flight feel no acceleration.
 
