@@ -107,15 +107,16 @@ pub(crate) fn stays_clear_by<R: Real>(
 
 /// The wall of the contact in a flight of this length, and its distance, if it is proved at once that there is exactly one: the
 /// distance falls all the way to below the near wall, or rises all the way to beyond the far one. Values and rates at both
-/// ends, and a bound on the fourth derivative.
+/// ends, of distances that are differences of numbers of this size, and a bound on the fourth derivative.
 #[inline(always)]
 pub fn only_contact<R: Real>(
     ends: [[R; 2]; 2],
     clearance: R,
+    size: R,
     fourth: R,
     length: R,
 ) -> Option<(Side, R)> {
-    let [near, far] = only_contacts(ends, clearance, fourth, length);
+    let [near, far] = only_contacts(ends, clearance, size, fourth, length);
     if near {
         return Some((Side::Near, R::ZERO));
     }
@@ -127,10 +128,11 @@ pub fn only_contact<R: Real>(
 pub(crate) fn only_contacts<R: Real>(
     [values, rates]: [[R; 2]; 2],
     clearance: R,
+    size: R,
     fourth: R,
     length: R,
 ) -> [bool; 2] {
-    let doubt = R::EPSILON * 0.5 * DOUBT * clearance;
+    let doubt = R::EPSILON * 0.5 * DOUBT * size;
     let ([begin, end], wide) = (values, clearance * 2.0);
     let way = Enclosure::new(values, rates, length, fourth);
     // Doubts of a rate are those of a distance over a share of the length.

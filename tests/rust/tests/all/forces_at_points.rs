@@ -5,8 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Absorber,
     absorber::modal::{Modal, ModalStart, ModalStructure, Tie},
-    absorber::{Absorber, OnStructure},
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
@@ -47,9 +47,9 @@ fn system<R: Real>(
     let system = Modal::new(structure, [(mass, "a")]).unwrap().with_ties(&[tie]).unwrap();
     let system = system.with_friction(&[R::from(friction)]).unwrap();
     let main = parts[0].1;
-    let (own, elsewhere): (Vec<_>, Vec<_>) = parts.iter().partition(|part| part.1 == main);
-    let own = own.into_iter().map(|(numbers, _)| harmonic(*numbers)).collect();
-    let elsewhere = elsewhere.into_iter().map(|(numbers, at)| (*at, harmonic(*numbers))).collect();
+    let (own, elsewhere): (Vec<Part>, Vec<Part>) = parts.iter().partition(|part| part.1 == main);
+    let own = own.into_iter().map(|(numbers, _)| harmonic(numbers)).collect();
+    let elsewhere = elsewhere.into_iter().map(|(numbers, at)| (at, harmonic(numbers))).collect();
     let force = Force::harmonic(own).unwrap().with_elsewhere(elsewhere).unwrap();
     system.under(force, NAMES[main]).unwrap()
 }

@@ -73,7 +73,7 @@ impl OnModes {
             let [amplitude, frequency, phase] = [0.3, 0.9, 0.2].map(R::from);
             let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };
             let other = Harmonic { frequency: frequency * 1.75, ..harmonic };
-            let elsewhere = if self.seed % 2 == 0 { vec![(0, other)] } else { vec![] };
+            let elsewhere = if self.seed.is_multiple_of(2) { vec![(0, other)] } else { vec![] };
             let force = Force::harmonic(vec![harmonic]).unwrap().with_elsewhere(elsewhere).unwrap();
             let system = system.under(force, POINTS[1]).unwrap();
             simulate(&system, &start, &limits, None, &mut observer).unwrap();

@@ -46,8 +46,8 @@ struct Expansion<R, const N: usize> {
     rows: ModalSeries<R>,
     /// ∬A at the points of the masses for which it was needed.
     curved: [OnceCell<Series<R>>; N],
-    /// a_g in powers of t.
-    base: [DoubleDouble<R>; ORDER + 1],
+    /// a_g in powers of t; empty where the base does not move.
+    base: Vec<DoubleDouble<R>>,
 }
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
@@ -74,13 +74,15 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             self.unit,
             (ORDER, EXACT),
         );
-        let base = std::array::from_fn(|m| pushes(m)[1]);
+        let powers = if self.system.host.moves_base() { ORDER + 1 } else { 0 };
+        let base = (0..powers).map(|m| pushes(m)[1]).collect();
         Expansion { rows, curved: [const { OnceCell::new() }; N], base }
     }
 
     /// a_g in powers of t, in plain numbers.
     fn base(&self) -> Row<R> {
-        self.expansion().base.map(|a| a.value)
+        let base = &self.expansion().base;
+        std::array::from_fn(|m| base.get(m).map_or(R::ZERO, |a| a.value))
     }
 
     /// ∬A at the point of a mass.
@@ -89,7 +91,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
             let followed = self.system.followed(k, place);
-            let mut curved = self.system.curved(rows, followed, |m| base[m], (self.unit, ORDER));
+            let base = |m: usize| base.get(m).copied().unwrap_or(DoubleDouble::ZERO);
+            let mut curved = self.system.curved(rows, followed, base, (self.unit, ORDER));
             // At a release the acceleration is set to 0 without rounding.
             if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
                 curved.set(2, DoubleDouble::ZERO);
@@ -185,6 +188,17 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         };
         let shaken = Some([a * square, jerk * over * square, snap, R::ZERO]);
         Place { distance, rate, shaken, ..*place }
+    }
+
+    /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
+    fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
+        let shape = self.system.gap_shape(k).iter().enumerate();
+        shape.fold(self.magnitude(), |size, (j, phi)| {
+            let of = |Modes { places, velocities }: &Modes<R, M>| {
+                velocities[j].value.abs().mul_add(length, places[j].value.abs())
+            };
+            phi.abs().mul_add(of(&self.from.modes) + of(&end.modes), size)
+        })
     }
 
     /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
@@ -313,25 +327,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             return false;
         }
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
-        let mut size = self.magnitude();
-        for (j, phi) in self.system.gap_shape(k).iter().enumerate() {
-            let of = |Modes { places, velocities }: &Modes<R, M>| {
-                velocities[j].value.abs().mul_add(length, places[j].value.abs())
-            };
-            size += phi.abs() * (of(&self.from.modes) + of(&end.modes));
-        }
-        stays_clear_by(ends, self.magnitude(), size, self.fourth(), length)
+        stays_clear_by(ends, self.magnitude(), self.size(k, end, length), self.fourth(), length)
     }
 
-    fn meets(&self, length: R, _end: &Self::State) -> Option<(R, Side)> {
+    fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
         let (k, from) = self.begun();
         if from.carried() || self.system.friction[k] != 0.0 {
             return None;
         }
-        let [[begin, rate, bend], [end, end_rate, end_bend]] =
-            [R::ZERO, length].map(|h| self.approach(k, h));
-        let ends = [[begin, end], [rate, end_rate]];
-        let (side, level) = only_contact(ends, self.magnitude(), self.fourth(), length)?;
+        let to = &end.places[k];
+        let ends = [[from.distance.value, to.distance.value], [from.rate.value, to.rate.value]];
+        let (wide, size) = (self.magnitude(), self.size(k, end, length));
+        let (side, level) = only_contact(ends, wide, size, self.fourth(), length)?;
+        let [bend, end_bend] = [R::ZERO, length].map(|h| self.approach(k, h)[2]);
         let h = {
             meeting(
                 ends,

@@ -16,12 +16,13 @@ pub struct Series<R> {
     rest: [R; ORDER + 1 - EXACT],
 }
 
-/// The power series of all modes: each power of all, one after the other. Powers below the exact ones have low parts as well.
+/// The power series of all modes: each power of all, one after the other, and then the low parts of those below the exact ones.
 #[derive(Debug, Clone)]
 pub(super) struct ModalSeries<R> {
     n: usize,
-    high: Vec<R>,
-    low: Vec<R>,
+    /// Number of powers.
+    count: usize,
+    parts: Vec<R>,
 }
 
 /// Numbers in which a coefficient is computed: in double-double, or plain beyond the first.
@@ -75,22 +76,23 @@ fn raised<R: Real>([sum, rest]: [R; 2], t: R, [by, by_rest]: [R; 2]) -> [R; 2] {
 impl<R: Real> ModalSeries<R> {
     /// With room for powers up to `order`, of which so many are exact.
     pub(super) fn new(n: usize, order: usize, exact: usize) -> Self {
-        Self { n, high: vec![R::ZERO; (order + 1) * n], low: vec![R::ZERO; exact * n] }
+        Self { n, count: order + 1, parts: vec![R::ZERO; (order + 1 + exact) * n] }
     }
 
     /// High and low parts of a power; the low ones are none where it is plain.
     #[inline(always)]
     pub(super) fn power(&self, m: usize) -> (&[R], &[R]) {
-        let low = self.low.get(m * self.n..(m + 1) * self.n).unwrap_or(&[]);
-        (&self.high[m * self.n..][..self.n], low)
+        let (high, low) = self.parts.split_at(self.count * self.n);
+        (&high[m * self.n..][..self.n], low.get(m * self.n..(m + 1) * self.n).unwrap_or(&[]))
     }
 
     /// Sets a power of all modes.
     #[inline(always)]
     pub(super) fn set<T: Term<R>>(&mut self, m: usize, of: impl Fn(usize) -> T) {
         let n = self.n;
-        let high = &mut self.high[m * n..][..n];
-        match self.low.get_mut(m * n..(m + 1) * n) {
+        let (high, low) = self.parts.split_at_mut(self.count * n);
+        let high = &mut high[m * n..][..n];
+        match low.get_mut(m * n..(m + 1) * n) {
             Some(low) => (0..n).for_each(|j| [high[j], low[j]] = of(j).parts()),
             None => (0..n).for_each(|j| high[j] = of(j).parts()[0]),
         }
@@ -99,12 +101,12 @@ impl<R: Real> ModalSeries<R> {
     /// A coefficient of a mode, plain.
     #[inline(always)]
     pub(super) fn plain(&self, j: usize, m: usize) -> R {
-        self.high[m * self.n + j]
+        self.parts[m * self.n + j]
     }
 
     /// The power series of one mode, plain.
     pub(super) fn row(&self, j: usize) -> Row<R> {
-        std::array::from_fn(|m| self.high[m * self.n + j])
+        std::array::from_fn(|m| self.plain(j, m))
     }
 
     /// The coefficient of a sum of modes with these factors.
@@ -131,16 +133,16 @@ impl<R: Real> ModalSeries<R> {
         let zero = [R::ZERO; M];
         let ([mut q, mut ql], [mut v, mut vl]) = ([zero; 2], [zero; 2]);
         let ((q, ql), (v, vl)) = ((&mut q[..n], &mut ql[..n]), (&mut v[..n], &mut vl[..n]));
-        let exact = self.low.len() / n;
-        for m in (exact..self.high.len() / n).rev() {
-            let high = &self.high[m * n..][..n];
+        let exact = self.parts.len() / n - self.count;
+        for m in (exact..self.count).rev() {
+            let (high, _) = self.power(m);
             for j in 0..n {
                 v[j] = v[j].mul_add(t, q[j]);
                 q[j] = q[j].mul_add(t, high[j]);
             }
         }
         for m in (0..exact).rev() {
-            let (high, low) = (&self.high[m * n..][..n], &self.low[m * n..][..n]);
+            let (high, low) = self.power(m);
             for j in 0..n {
                 [v[j], vl[j]] = raised([v[j], vl[j]], t, [q[j], ql[j]]);
                 [q[j], ql[j]] = raised([q[j], ql[j]], t, [high[j], low[j]]);

@@ -72,7 +72,7 @@ impl<R: Real> InGap<R> {
             #[inline(always)]
             |ends| [ends[0].value, ends[1].value],
         );
-        let [near, far] = only_contacts(ends, clearance, fourth, *length);
+        let [near, far] = only_contacts(ends, clearance, clearance, fourth, *length);
         let level = pick(far, clearance * 2.0, R::ZERO);
         let bends = [self.side * begin.acceleration.value, self.side * end.acceleration.value];
         let [[distance, _], [rate, _]] = ends;
