@@ -101,7 +101,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                     mean(&|g| {
                         ties.iter().fold(R::ZERO, |sum, it| {
                             let [a, b] = [i, k].map(|column| dot(&it.shape, &speeds[column][g]));
-                            sum + it.tie.damping * a * b
+                            sum + it.tie.taken(a * b)
                         })
                     })
                 });

@@ -88,7 +88,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
                 let both = tied.shape.iter().zip(rates);
                 both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
             });
-            sum + tied.tie.damping * self.integral(&speed, &speed, h)
+            sum + tied.tie.taken(self.integral(&speed, &speed, h))
         })
     }
 

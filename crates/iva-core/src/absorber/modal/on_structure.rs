@@ -56,7 +56,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
             }
             if let Some(tied) = &self.tied[k] {
                 // It moves as a coordinate does.
-                sum += tied.tie.spring * 0.5 * (gap.y * gap.y);
+                sum += tied.tie.stored(gap.y);
                 continue;
             }
             let [_, v] = state.modes.of_point(self.shape(k));

@@ -44,6 +44,16 @@ impl<R: Real> Tie<R> {
     /// A mass that nothing ties to its point.
     pub const NONE: Self = Self { spring: R::ZERO, damping: R::ZERO };
 
+    /// What it stores at a gap displacement: ½ k y².
+    pub(super) fn stored(&self, y: R) -> R {
+        self.spring * 0.5 * (y * y)
+    }
+
+    /// What it takes per time, of the product of two gap velocities.
+    pub(super) fn taken(&self, product: R) -> R {
+        self.damping * product
+    }
+
     /// Checks the numbers of the mass of an index.
     fn check(&self, k: usize) -> Result<(), Invalid> {
         for (name, value) in [("spring", self.spring), ("gap_damping", self.damping)] {

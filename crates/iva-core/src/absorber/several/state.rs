@@ -6,7 +6,6 @@ use crate::absorber::plain::State;
 use crate::absorber::siva::FreeMass;
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Phase};
-use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::GapPoint;
@@ -21,8 +20,6 @@ pub struct InGap<R = f64> {
     /// True if the mass is stuck to that wall.
     pub(crate) stuck: bool,
 }
-
-laned!(InGap, InGaps { side: f64, distance: DoubleDouble, rate: DoubleDouble } stuck = false);
 
 /// The state of the structure and of its masses between events.
 #[derive(Debug, PartialEq)]

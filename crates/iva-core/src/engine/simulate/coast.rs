@@ -22,8 +22,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
-    /// from the first state.
+    /// Lets an absorber that is too far from its walls to meet one fly on for some steps.
     pub(super) fn coast(&mut self) {
         let (system, begin) =
             (self.system, Instant { time: self.progress.clock, state: self.tally.state });
@@ -52,15 +51,23 @@ pub(crate) fn show_coast<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>>(
         time: begin.time.plus_parts(by.value, by.rest),
         state,
     };
+    let end = later(end);
     let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
         let mut from = *begin;
         for steps in 1..=count {
-            let to = later(system.coasted(&begin.state, steps));
+            let to = if steps == count {
+                end
+            } else if S::LEAPS {
+                // In double-double a step from the one before is as exact as many at once, and one product.
+                let (state, step) = system.coasted(&from.state, 1);
+                later((state, step.times(S::Real::from(steps as f64))))
+            } else {
+                later(system.coasted(&begin.state, steps))
+            };
             see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
             from = to;
         }
     };
-    let end = later(end);
     let flight = system.flight(&begin.state);
     let whole = Span::between(system, &flight, [begin, &end]);
     observer.coast(system, &whole, &each);
