@@ -57,7 +57,8 @@ class Structure:
     Parameters
     ----------
     frequencies : sequence of float, shape (n,), optional
-        Natural frequencies of the modes in rad/s, the first > 0.
+        Natural frequencies of the modes in rad/s; 0 of a motion that nothing holds. That of the
+        natural mode is > 0.
     frequencies_hz : sequence of float, shape (n,), optional
         The same in Hz.
     damping_ratios : float or sequence of float, shape (n,), optional

@@ -178,6 +178,38 @@ def test_steady_states_are_frequency_responses() -> None:
             assert run.summary["reduction"].item() is None
 
 
+def test_a_structure_that_is_free_to_move() -> None:
+    """Two carts of 1 kg and 2 kg with a spring between them, by matrices and by modes.
+
+    The centre of mass keeps its velocity: the impulse of all impacts together is that of the mass.
+    """
+    carts = iva.Structure(
+        points=["left", "right"],
+        mass=[[1.0, 0.0], [0.0, 2.0]],
+        stiffness=[[3.0, -3.0], [-3.0, 3.0]],
+        natural_mode=2,
+        absorber_at="left",
+    )
+    table = carts.modes()
+    assert table["frequency"].to_list() == pytest.approx([0.0, math.sqrt(4.5)], abs=1e-12)
+    assert table["damping_ratio"].to_list() == [0.0, 0.0]
+    shapes = {"left": [3**-0.5, (2 / 3) ** 0.5], "right": [3**-0.5, -(6**-0.5)]}
+    modes = iva.Structure(
+        frequencies=[0.0, math.sqrt(4.5)], points=shapes, natural_mode=2, absorber_at="left"
+    )
+    mass = iva.Siva(mass=0.3, clearance=0.1, restitution=0.6)
+    runs = [
+        iva.simulate(mass, one, start=iva.Start(velocity=0.8, gap_velocity=0.1), duration=6.0)
+        for one in (carts, modes)
+    ]
+    first, second = (run.impacts for run in runs)
+    assert first.height == second.height > 5
+    for name in ("time", "velocity_after", "approach_velocity"):
+        assert second[name][:5].to_numpy() == pytest.approx(first[name][:5].to_numpy(), rel=1e-9)
+    with pytest.raises(ValueError, match="that of mode 1 is the unit of time, and this is 0"):
+        iva.Structure(frequencies=[0.0, 2.0], points=shapes)
+
+
 def test_forces_at_several_points_with_phases_of_their_own() -> None:
     """(K + iωC − ω²M) X = (F₁, F₂ exp(iφ)); a third of two frequencies, in a study too."""
     omega, phase = 9.0, 1.1

@@ -125,10 +125,14 @@ impl Reader<'_> {
         if frequencies.is_empty() {
             return Err(Invalid::new(path(given), "an empty list", "give those of all modes"));
         }
-        let standing = frequencies.iter().enumerate().find(|(_, frequency)| **frequency <= 0.0);
-        if let Some((mode, frequency)) = standing {
+        let negative = frequencies.iter().enumerate().find(|(_, frequency)| **frequency < 0.0);
+        if let Some((mode, frequency)) = negative {
             let field = path(&format!("{given}[{mode}]"));
-            return Err(Invalid::new(field, number(*frequency), "give a number greater than 0"));
+            return Err(Invalid::new(
+                field,
+                number(*frequency),
+                "give 0 or a number greater than 0",
+            ));
         }
         let n = frequencies.len();
         let damping_ratios = match self.numbers("damping_ratios")? {

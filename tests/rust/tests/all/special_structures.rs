@@ -115,7 +115,8 @@ fn a_creeping_structure_meets_its_mass_in_closed_form() {
                 let root = omega * f64::sqrt(zeta * zeta - 1.0);
                 let half = (root * t).min(300.0);
                 // exp(−ζωt) (cosh rt + ζω sinh rt/r), with r → 0 at critical damping.
-                let shc = if half < 1e-4 { t } else { half.sinh() / root };
+                let shc =
+                    if half < 1e-3 { t * (1.0 + half * half / 6.0) } else { half.sinh() / root };
                 if half > 250.0 {
                     let slow = omega * (zeta - f64::sqrt(zeta * zeta - 1.0));
                     return 0.5 * (1.0 + zeta * omega / root) * (-slow * t).exp();

@@ -34,7 +34,7 @@ pub(super) enum Damping<R> {
 }
 
 impl<R: Real> ModalStructure<R> {
-    /// Modes of frequencies ωⱼ > 0 and damping ratios ζⱼ ≥ 0.
+    /// Modes of frequencies ωⱼ ≥ 0 and damping ratios ζⱼ ≥ 0. One of frequency 0 is a motion that nothing holds or damps.
     ///
     /// # Errors
     /// [`Invalid`] naming the number that is out of [`crate::range`], and for no mode, more than [`MOST_MODES`], or not as
@@ -43,7 +43,9 @@ impl<R: Real> ModalStructure<R> {
         counted("structure.frequencies", frequencies.len())?;
         same("structure.damping_ratios", damping_ratios.len(), frequencies.len())?;
         for (j, (w, zeta)) in frequencies.iter().zip(damping_ratios).enumerate() {
-            range::positive(&format!("structure.frequencies[{j}]"), *w)?;
+            if *w != 0.0 {
+                range::positive(&format!("structure.frequencies[{j}]"), *w)?;
+            }
             range::damping_ratio(&format!("structure.damping_ratios[{j}]"), *zeta)?;
         }
         let stiffness = frequencies.iter().map(|w| DoubleDouble::new(*w).times(*w)).collect();
@@ -115,13 +117,14 @@ impl<R: Real> ModalStructure<R> {
         self.stiffness.get(mode).map(|square| square.value.sqrt())
     }
 
-    /// ζⱼ of a mode: its own damping, without what it exchanges with others, over 2ωⱼ.
+    /// ζⱼ of a mode: its own damping, without what it exchanges with others, over 2ωⱼ; 0 of one without any, also if its frequency is 0.
     pub fn damping_ratio(&self, mode: usize) -> Option<R> {
         let rate = match &self.damping {
             Damping::Separate(rates) => rates.get(mode)?.value,
             Damping::Full(matrix) => *matrix.get(mode * (self.count() + 1))?,
         };
-        Some(rate / (self.frequency(mode)? * 2.0))
+        let critical = self.frequency(mode)? * 2.0;
+        Some(if rate == 0.0 { rate } else { rate / critical })
     }
 
     /// True if it has one mode, of frequency 1 and shape 1 at all points, that takes all of the motion of its base: it moves as
