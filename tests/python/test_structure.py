@@ -491,7 +491,7 @@ def test_the_number_of_a_mode_is_a_number(mode: Any) -> None:
 
 
 def test_frequencies_are_told_as_they_were_given() -> None:
-    with pytest.raises(ValueError, match=r"frequencies_hz\[1\] = -2: give a number greater than 0"):
+    with pytest.raises(ValueError, match=r"frequencies_hz\[1\] = -2: give 0 or a number greater than 0"):
         iva.Structure(frequencies_hz=[1.0, -2.0], points={"a": [1.0, 1.0]})
 
 
