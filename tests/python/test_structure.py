@@ -280,8 +280,8 @@ def test_records_and_impulses_have_one_point() -> None:
         )
     run = iva.simulate(
         SIVA,
-        frame(force_at=["first", "top"]),
-        start=iva.Start(),
+        frame(force_at=["first", "top"], seen_at="top"),
+        start=START,
         force=[push, hum],
         duration=2.0,
         verify=True,

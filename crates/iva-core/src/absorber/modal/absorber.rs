@@ -189,16 +189,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
             } else if !place.carried() {
                 let alike = self.masses[k].clearance * (R::EPSILON * ALIKE_ULPS);
-                let meets = |seen: &Place<R>| {
+                let touches = |seen: Place<R>| {
                     let Place { side, distance, rate, .. } = seen;
                     let apart = (rate.value - met.rate.value).abs();
-                    let twin = *side == met.side && distance.value <= alike && apart <= alike;
+                    let twin = side == met.side && distance.value <= alike && apart <= alike;
                     let soon = distance.value <= -rate.value * (R::EPSILON * AT_ONCE_ULPS);
-                    rate.value < 0.0 && (soon || twin)
+                    let rate = if twin { met.rate } else { rate };
+                    let meets = rate.value < 0.0 && (soon || twin);
+                    meets.then_some(Place { distance: DoubleDouble::ZERO, rate, ..seen })
                 };
                 let across = place.measured_from(wall_of(place.side).opposite(), &self.masses[k]);
-                if let Some(seen) = [*place, across].into_iter().find(meets) {
-                    *place = Place { distance: DoubleDouble::ZERO, ..seen };
+                if let Some(touching) = [*place, across].into_iter().find_map(touches) {
+                    *place = touching;
                 }
             }
         }
