@@ -182,10 +182,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let met = place.measured_from(wall, mass);
         let acceleration = self.shaken(state, at_hand)[0];
         let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
+        let met = met.moved(later, acceleration);
         let mut touching = self.moved(state, later, &|k| k == at_hand);
         for (k, place) in touching.places[..self.count].iter_mut().enumerate() {
             if k == at_hand {
-                let met = met.moved(later, acceleration);
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
             } else if !place.carried() {
                 let alike = self.masses[k].clearance * (R::EPSILON * ALIKE_ULPS);
