@@ -46,13 +46,24 @@ class Mass:
 
 
 @dataclass(frozen=True)
+class Push:
+    """A harmonic force in N at a point with its shape."""
+
+    amplitude: float
+    frequency: float
+    phase: float
+    shape: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Kind:
-    """Masses, each at a point with its shape, on modes; a force on the first of these."""
+    """Masses at points with their shapes, on modes; a force on the first one, or some at points."""
 
     masses: tuple[Mass, ...]
     frequencies: tuple[float, ...] = (1.0,)
     shapes: tuple[tuple[float, ...], ...] = ()
     amplitude: float = 0.0
+    pushes: tuple[Push, ...] = ()
     duration: float = 120.0
 
     def shape(self, mass: int) -> Sequence[float]:
@@ -72,6 +83,16 @@ KINDS = {
     "four masses, force": Kind(tuple(Mass(0.04, 0.6 + 0.1 * k) for k in range(4)), amplitude=0.03),
     "dashpot, force": Kind((Mass(0.1, 0.7, damping=0.008),), amplitude=0.03),
     "three modes": Kind((Mass(0.1, 0.7),), (1.0, 2.7, 5.1), ((1.0, 0.7, 0.4),)),
+    "three modes, forces at three points": Kind(
+        (Mass(0.1, 0.7),),
+        (1.0, 2.7, 5.1),
+        ((1.0, 0.7, 0.4),),
+        pushes=(
+            Push(0.03, 0.98, 0.0, (1.0, 0.7, 0.4)),
+            Push(0.1, 2.3, 0.8, (0.6, -0.9, 0.5)),
+            Push(0.2, 0.6, -1.9, (0.3, 0.8, -1.0)),
+        ),
+    ),
     "five masses, 20 modes": Kind(
         (Mass(0.05, 0.4),) * 5,
         tuple(np.sqrt(np.linspace(1, 400, 20)).tolist()),
@@ -136,6 +157,9 @@ class Equations:
             a = -2 * DAMPING_RATIO * omega * self.p[j] - omega**2 * self.q[j]
             if j == 0 and self.kind.amplitude:
                 a = a + self.kind.amplitude * hy.cos(OMEGA * hy.time)
+            for push in self.kind.pushes:
+                wave = hy.cos(push.frequency * hy.time + push.phase)
+                a = a + push.shape[j] * push.amplitude * wave
             for k, pull in enumerate(pulls):
                 a = a + self.kind.shape(k)[j] * pull
             made.append(a / inertia)
@@ -285,17 +309,27 @@ def with_iva(kind: Kind, **asked: Any) -> Callable[[], Any]:
         structure: Any = iva.Primary(damping_ratio=DAMPING_RATIO)
         start = iva.Start(displacement=1.0, gap_velocity=START)
     else:
-        points = {f"p{k}": list(kind.shape(k)) for k in range(len(masses))}
+        riding = [f"p{k}" for k in range(len(masses))]
+        pushed = [f"f{k}" for k in range(len(kind.pushes))]
+        shapes = [kind.shape(k) for k in range(len(masses))] + [it.shape for it in kind.pushes]
         structure = iva.Structure(
             frequencies=list(kind.frequencies),
             damping_ratios=DAMPING_RATIO,
-            points=points,
-            absorber_at=list(points),
+            points={name: list(of) for name, of in zip(riding + pushed, shapes, strict=True)},
+            absorber_at=riding,
+            force_at=pushed or None,
             seen_at="p0",
             start_displacements=[1.0] + [0.0] * (len(kind.frequencies) - 1),
         )
         start = iva.Start(gap_velocity=START)
-    force = iva.Harmonic(amplitude=kind.amplitude, frequency=OMEGA) if kind.amplitude else None
+    force: Any = None
+    if kind.amplitude:
+        force = iva.Harmonic(amplitude=kind.amplitude, frequency=OMEGA)
+    elif kind.pushes:
+        force = [
+            iva.Harmonic(force=it.amplitude, frequency=it.frequency, phase=it.phase)
+            for it in kind.pushes
+        ]
     return lambda: (
         iva.sweep(
             masses if len(masses) > 1 else masses[0],

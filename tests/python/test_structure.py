@@ -233,11 +233,12 @@ def test_forces_at_several_points_with_phases_of_their_own() -> None:
         iva.Harmonic(force=900.0, frequency=25.0, phase=-1.0),
     ]
 
-    def pushed(time: float, state: Array) -> Array:
+    def driven(time: float, state: Array) -> Array:
         push = [200.0 * math.cos(7.0 * time + 0.3), 900.0 * math.cos(25.0 * time - 1.0)]
-        return rates(state) + np.concatenate([np.zeros(2), np.linalg.solve(MASS, push)])
+        pushed: Array = np.concatenate([np.zeros(2), np.linalg.solve(MASS, push)])
+        return rates(state) + pushed
 
-    known = solve_ivp(pushed, (0.0, 1.0), np.zeros(4), method="DOP853", rtol=1e-12, atol=1e-14)
+    known = solve_ivp(driven, (0.0, 1.0), np.zeros(4), method="DOP853", rtol=1e-12, atol=1e-14)
     run = iva.simulate(
         None,
         frame(force_at=["first", "top"], seen_at="top"),
@@ -261,9 +262,7 @@ def test_points_of_forces_that_do_not_fit_are_told(force_at: list[str], told: st
     """One sentence with field, value and what is allowed."""
     force = [iva.Harmonic(force=1.0, frequency=9.0), iva.Harmonic(force=2.0, frequency=8.0)]
     with pytest.raises(ValueError, match=told):
-        iva.simulate(
-            None, frame(force_at=force_at), start=iva.Start(), force=force, duration=1.0
-        )
+        iva.simulate(None, frame(force_at=force_at), start=iva.Start(), force=force, duration=1.0)
 
 
 def test_records_and_impulses_have_one_point() -> None:
@@ -491,7 +490,8 @@ def test_the_number_of_a_mode_is_a_number(mode: Any) -> None:
 
 
 def test_frequencies_are_told_as_they_were_given() -> None:
-    with pytest.raises(ValueError, match=r"frequencies_hz\[1\] = -2: give 0 or a number greater than 0"):
+    told = r"frequencies_hz\[1\] = -2: give 0 or a number greater than 0"
+    with pytest.raises(ValueError, match=told):
         iva.Structure(frequencies_hz=[1.0, -2.0], points={"a": [1.0, 1.0]})
 
 

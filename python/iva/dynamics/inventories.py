@@ -89,8 +89,8 @@ class Attractors:
     starts : int
         Number of starts that were run to their end, which all shares are of.
     cancelled : int
-        Number of other starts, which Ctrl-C has cut. Those that come to their orbit soon are finished
-        first, so that the shares of a call that was cut lean towards their orbits.
+        Number of other starts, which Ctrl-C has cut. Those that come to their orbit soon are
+        finished first, so that the shares of a call that was cut lean towards their orbits.
     box : tuple of pairs of float, length 4
         The box that they fill: displacement, velocity, gap displacement and gap velocity.
 
