@@ -118,7 +118,7 @@ fn a_creeping_structure_meets_its_mass_in_closed_form() {
                 let shc =
                     if half < 1e-3 { t * (1.0 + half * half / 6.0) } else { half.sinh() / root };
                 if half > 250.0 {
-                    let slow = omega * (zeta - f64::sqrt(zeta * zeta - 1.0));
+                    let slow = omega / (zeta + f64::sqrt(zeta * zeta - 1.0));
                     return 0.5 * (1.0 + zeta * omega / root) * (-slow * t).exp();
                 }
                 (-zeta * omega * t).exp() * (half.cosh() + zeta * omega * shc)
