@@ -61,7 +61,7 @@ print("finished", flush=True)
         "sweep(**elastic, over=points, start=start, periods=20_000, progress=True)",
         "dynamics.orbit(**scene, start=(0, 0, 0, 0.1), settle=10**9)",
         "dynamics.diagram(**scene, over={'clearance': np.linspace(1, 5, 99)}, discard=10**9)",
-        "dynamics.lyapunov(**scene, cycles=10**9)",
+        "dynamics.lyapunov(**scene, discard=10**9)",
         "dynamics.attractors(**scene, starts=1000, most_cycles=10**9)",
         "dynamics.basins(**scene, over=grid, most_cycles=10**6)",
     ],

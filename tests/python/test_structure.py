@@ -211,7 +211,7 @@ def test_a_structure_that_is_free_to_move() -> None:
 
 
 def test_forces_at_several_points_with_phases_of_their_own() -> None:
-    """(K + iωC − ω²M) X = (F₁, F₂ exp(iφ)); a third of two frequencies, in a study too."""
+    """(K + iωC − ω²M) X = (F₁, F₂ exp(iφ)); an integrator for unlike frequencies."""
     omega, phase = 9.0, 1.1
     response = STIFFNESS + 1j * omega * DAMPING - omega**2 * MASS
     true = np.linalg.solve(response, [500.0, 300.0 * np.exp(1j * phase)])
@@ -249,6 +249,29 @@ def test_forces_at_several_points_with_phases_of_their_own() -> None:
     last = run.at([1.0])
     assert last["displacement"].item() == pytest.approx(known.y[1, -1], rel=1e-9)
     assert last["velocity"].item() == pytest.approx(known.y[3, -1], rel=1e-9)
+
+
+def test_studies_have_forces_at_several_points(tmp_path: Path) -> None:
+    folder = tmp_path / "one"
+    swept = iva.sweep(
+        SIVA,
+        frame(force_at=["first", "top"]),
+        over={"restitution": [0.4, 0.7]},
+        start=START,
+        force=[
+            iva.Harmonic(force=200.0, frequency=7.0),
+            iva.Harmonic(force=300.0, frequency=25.0, phase=1.0),
+        ],
+        duration=1.0,
+        out=folder,
+    )
+    study = folder / "study.toml"
+    assert 'force_at = ["first", "top"]' in study.read_text()
+    command = [sys.executable, "-m", "iva", "run", str(study), "--point", "1", "--out", "two"]
+    subprocess.run(command, check=True, capture_output=True, cwd=tmp_path)
+    again = iva.read(tmp_path / "two").summary
+    for name in ("impacts", "energy_work", "amplitude_max"):
+        assert again[name].item() == swept.summary[name][1]
 
 
 @pytest.mark.parametrize(
