@@ -30,9 +30,8 @@ use crate::absorber::impact::Impact;
 use crate::absorber::plain::Scene;
 use crate::error::Invalid;
 use crate::number::real::Real;
-use crate::segment::contact::{Stretch, free_stretch};
 use crate::segment::flight::{Curve, Jet, Motion};
-use crate::segment::slide::{Ends, Slide};
+use crate::segment::slide::{Ends, Slide, Slip};
 
 pub use crate::number::clock::Clock;
 pub use crate::segment::place::{Point, Wall};
@@ -224,25 +223,19 @@ pub trait Absorber: ImpactLaw {
     /// are not finite.
     fn slide<'a>(
         &'a self,
-        flight: &Self::Flight<'a>,
+        _flight: &Self::Flight<'a>,
         length: Self::Real,
-    ) -> Option<Slide<Self::State, Self::Real>> {
-        let Stretch { end, undecided, .. } = free_stretch(flight, length);
-        Some(Slide { end, ends: Ends::Length, undecided })
+    ) -> Option<Slide<Self::Real>> {
+        Some(Slide { h: length, ends: Ends::Length, undecided: 0 })
     }
     /// The state at a stop, with a gap velocity of exactly 0 and the decision how the absorber goes on, and how much later
     /// it is.
     fn stopped(&self, state: &Self::State) -> (Self::State, Self::Real) {
         (*state, Self::Real::ZERO)
     }
-    /// The first instant within a length at which friction no longer holds the absorber, as the contact of the stretch, and
-    /// the sign of the gap velocity from there on.
-    fn first_slip<'a>(
-        &'a self,
-        ride: &Self::Ride<'a>,
-        length: Self::Real,
-    ) -> (Stretch<Self::State, Self::Real>, Self::Real) {
-        (free_stretch(ride, length), Self::Real::ZERO)
+    /// The first instant within a length at which friction no longer holds the absorber.
+    fn first_slip<'a>(&'a self, _ride: &Self::Ride<'a>, length: Self::Real) -> Slip<Self::Real> {
+        Slip { h: length, direction: None, undecided: 0 }
     }
     /// The state in which the absorber slips off with this sign of its gap velocity at the end of a ride, and the time from the
     /// given state to it; `None` if that is no such instant.

@@ -27,11 +27,22 @@ pub enum Ends {
 
 /// The result of the search over a slide.
 #[derive(Debug, Clone, Copy)]
-pub struct Slide<T, R = f64> {
-    /// Its end, with the jet of the distance to the wall last touched, or to the wall that is met.
-    pub end: Node<T, R>,
+pub struct Slide<R = f64> {
+    /// Its end.
+    pub h: R,
     /// What it ends with.
     pub ends: Ends,
+    /// Number of grazing extrema within the bands, counted as no event.
+    pub undecided: u64,
+}
+
+/// The result of the search for the end of a ride in which friction holds the absorber.
+#[derive(Debug, Clone, Copy)]
+pub struct Slip<R = f64> {
+    /// Its end.
+    pub h: R,
+    /// The sign of the gap velocity from there on; `None` if friction holds the absorber all the way.
+    pub direction: Option<R>,
     /// Number of grazing extrema within the bands, counted as no event.
     pub undecided: u64,
 }
@@ -44,7 +55,7 @@ pub fn first_end<R: Real, T: Copy, D, V>(
     ahead: Side,
     clearance: R,
     length: R,
-) -> Slide<T, R>
+) -> Slide<R>
 where
     D: Curve<Real = R, Sample = T>,
     V: Curve<Real = R, Sample = T>,
@@ -54,23 +65,22 @@ where
     let stops = searched(speed, (R::ZERO, R::ONE), fourth, highest(&jet, fourth, length));
     let a = Node { h: R::ZERO, sample: *start, jet };
     let b = stops.node(length);
-    let mut slide = Slide { end: b, ends: Ends::Length, undecided: 0 };
+    let (mut slide, mut last) = (Slide { h: length, ends: Ends::Length, undecided: 0 }, b);
     if !stops.excluded(&a.jet, &b.jet, length) {
         let search = stops.first_zero(&a, &b);
         slide.undecided = search.undecided;
         if let Some(zero) = search.zero {
-            (slide.end, slide.ends) = (zero, Ends::Stop);
+            (last, slide.h, slide.ends) = (zero, zero.h, Ends::Stop);
         }
     }
     let jet = distance.jet(start);
     let (whole, fourth) = (distance.magnitude(), distance.fourth());
     let (level, sign, size) = match ahead {
-        Side::Near => (R::ZERO, R::ONE, whole.min(highest(&jet, fourth, slide.end.h))),
+        Side::Near => (R::ZERO, R::ONE, whole.min(highest(&jet, fourth, slide.h))),
         Side::Far => (clearance * 2.0, -R::ONE, whole),
     };
     let left = searched(distance, (level, sign), fourth, size);
-    let end = left.node(slide.end.h);
-    slide.end = Node { jet: distance.jet(&end.sample), ..end };
+    let end = Node { jet: left.seen(&distance.jet(&last.sample)), ..last };
     let value = left.value(&end);
     let stopped = slide.ends == Ends::Stop;
     if value > if stopped { left.band } else { R::ZERO } {
@@ -86,6 +96,5 @@ where
         // The search over the whole slide also counted speeds after the contact.
         slide.undecided = stops.first_zero(&a, &stops.node(met.h)).undecided;
     }
-    let jet = distance.jet(&met.sample);
-    Slide { end: Node { jet, ..met }, ends: Ends::Wall(ahead), ..slide }
+    Slide { h: met.h, ends: Ends::Wall(ahead), ..slide }
 }

@@ -8,9 +8,8 @@ use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::Stretch;
 use crate::segment::flight::Jet;
-use crate::segment::slide::Slide;
+use crate::segment::slide::{Slide, Slip};
 
 /// Masses whose distances differ by less than this, in units of 2⁻⁵² of the clearance, and their rates as little, move as one: rounding
 /// has parted them.
@@ -246,11 +245,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.at_hand_of(state).2.held
     }
 
-    fn slide<'a>(
-        &'a self,
-        flight: &ModalMotion<'a, H, N, M>,
-        length: R,
-    ) -> Option<Slide<Self::State, R>> {
+    fn slide<'a>(&'a self, flight: &ModalMotion<'a, H, N, M>, length: R) -> Option<Slide<R>> {
         self.first_end_of(flight, length)
     }
 
@@ -258,11 +253,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.at_stop(state)
     }
 
-    fn first_slip<'a>(
-        &'a self,
-        ride: &ModalMotion<'a, H, N, M>,
-        length: R,
-    ) -> (Stretch<Self::State, R>, R) {
+    fn first_slip<'a>(&'a self, ride: &ModalMotion<'a, H, N, M>, length: R) -> Slip<R> {
         ride.first_slip(length)
     }
 

@@ -256,17 +256,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         }
     }
 
-    /// The harmonic forces at other points from a state of the drive on, in powers of t = h/`unit`.
-    pub(super) fn asides(&self, phase: &Phase<H>, unit: R) -> Vec<Aside<R>> {
-        let Some((force, time)) = self.host.force().zip(self.host.time(phase)) else {
+    /// The harmonic forces at other points from a state of the drive on, in powers of t = h/`unit` up to `order`; plain beyond those that
+    /// the series have to twice the precision.
+    pub(super) fn asides(&self, phase: &Phase<H>, unit: R, order: usize) -> Vec<Aside<R>> {
+        let elsewhere = self.host.force().map_or(&[][..], Force::elsewhere);
+        let Some(time) = self.host.time(phase).filter(|_| !elsewhere.is_empty()) else {
             return vec![];
         };
         let of = |(point, harmonic): &(usize, Harmonic<R>)| {
             let mut row = [DoubleDouble::ZERO; ORDER + 1];
-            harmonic.add_precise(&mut row, time, unit);
+            harmonic.add_precise(&mut row[..EXACT.min(order + 1)], time, unit);
+            let turn = harmonic.frequency * unit;
+            for m in EXACT..=order {
+                let over = R::reciprocal(m) * R::reciprocal(m - 1);
+                row[m] = DoubleDouble::new(-(row[m - 2].value * (turn * turn) * over));
+            }
             (*point, row)
         };
-        force.elsewhere().iter().map(of).collect()
+        elsewhere.iter().map(of).collect()
     }
 
     /// What the curve of a mass is made of, beyond a uniform motion, from the series of all modes:
@@ -306,11 +313,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     #[inline(never)]
     fn shaken_now(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
-        let (pushes, asides) =
-            (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE));
+        let pushes = self.pushes(&state.phase, R::ONE);
         // Of a mass in flight that does not rub A and its rate are enough.
         let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
         let regime = self.regime(&state.places);
+        let asides = self.asides(&state.phase, R::ONE, order);
         let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (order, 3));
         let followed = self.followed(k, place);
         let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
@@ -427,7 +434,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return *state;
         }
         let (pushes, asides) =
-            (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE));
+            (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));
         let regime = self.regime(&state.places);
         let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (2, 0));
         let mut moved = state.renewed();

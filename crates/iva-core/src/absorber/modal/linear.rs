@@ -49,7 +49,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal
         }
         let pushes = self.pushes(&state.phase, 1.0);
         let [_, base, _] = pushes(0);
-        let asides = self.asides(&state.phase, 1.0);
+        let asides = self.asides(&state.phase, 1.0, 1);
         let regime = self.regime(&places);
         let rows = self.series(&state.modes, &regime, (&pushes, &asides), 1.0, (2, EXACT));
         let n = self.whole.count();

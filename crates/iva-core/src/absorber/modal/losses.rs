@@ -104,8 +104,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         };
         let pushed = seen(system.whole.shape(system.pushed));
         let mut work = self.integral(&pushed, &drive.primary, h);
-        for (point, row) in system.asides(&self.from.phase, self.unit) {
-            work += self.integral(&seen(system.whole.shape(point)), &row.map(|it| it.value), h);
+        for (point, row) in self.asides() {
+            work += self.integral(&seen(system.whole.shape(*point)), &row.map(|it| it.value), h);
         }
         if !system.host.moves_base() {
             return work;

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::equations::Regime;
+use super::equations::{Aside, Regime};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::{Modal, ModalState, wall_of};
@@ -35,8 +35,6 @@ pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
     expansion: OnceCell<Box<Expansion<H::Real, N>>>,
     /// x at the point that the run sees, once it was needed.
     seen: OnceCell<Series<H::Real>>,
-    /// Of a mass that friction holds: the direction in which it would slide off where the curve is 0.
-    pub(super) off: H::Real,
 }
 
 /// The power series of a motion.
@@ -48,6 +46,8 @@ struct Expansion<R, const N: usize> {
     curved: [OnceCell<Series<R>>; N],
     /// a_g in powers of t; empty where the base does not move.
     base: Vec<DoubleDouble<R>>,
+    /// Harmonic forces at other points.
+    asides: Vec<Aside<R>>,
 }
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
@@ -57,7 +57,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         let smooth = system.host.smooth_for(&from.phase);
         let reach = if smooth <= system.reach { smooth } else { system.reach };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
-        Self { system, regime, from, unit, reach, expansion, seen, off: R::ONE }
+        Self { system, regime, from, unit, reach, expansion, seen }
     }
 
     fn expansion(&self) -> &Expansion<R, N> {
@@ -66,7 +66,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     fn expanded(&self) -> Expansion<R, N> {
         let pushes = self.system.pushes(&self.from.phase, self.unit);
-        let asides = self.system.asides(&self.from.phase, self.unit);
+        let asides = self.system.asides(&self.from.phase, self.unit, ORDER);
         let rows = self.system.series(
             &self.from.modes,
             &self.regime,
@@ -76,7 +76,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         );
         let powers = if self.system.host.moves_base() { ORDER + 1 } else { 0 };
         let base = (0..powers).map(|m| pushes(m)[1]).collect();
-        Expansion { rows, curved: [const { OnceCell::new() }; N], base }
+        Expansion { rows, curved: [const { OnceCell::new() }; N], base, asides }
     }
 
     /// a_g in powers of t, in plain numbers.
@@ -87,7 +87,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     /// ∬A at the point of a mass.
     fn curved(&self, k: usize) -> &Series<R> {
-        let Expansion { rows, curved, base } = self.expansion();
+        let Expansion { rows, curved, base, .. } = self.expansion();
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
             let followed = self.system.followed(k, place);
@@ -106,6 +106,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         &self.expansion().rows
     }
 
+    /// The harmonic forces at other points.
+    pub(super) fn asides(&self) -> &[Aside<R>] {
+        &self.expansion().asides
+    }
+
     /// The derivatives n and n + 1 of each mode at the begin.
     fn derivatives(&self, n: usize) -> impl Fn(usize) -> [R; 2] {
         let powers = (1..=n).fold(R::ONE, |power, i| power / self.unit * i as f64);
@@ -122,11 +127,6 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     pub(super) fn most_shaken(&self, k: usize) -> R {
         let followed = self.system.followed(k, &self.from.places[k]);
         self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
-    }
-
-    /// The same motion, whose curve is 0 where a mass that friction holds slides off in a direction.
-    pub(super) fn sliding_off(&self, off: R) -> Self {
-        Self { off, ..self.clone() }
     }
 
     /// A bound on the derivative n − 1 of A of the absorber at hand.
@@ -201,14 +201,23 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         })
     }
 
-    /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
+    /// The distance of a mass in flight from its wall with three derivatives, in plain numbers.
     #[inline(always)]
-    fn approach(&self, k: usize, h: R) -> [R; 3] {
+    pub(super) fn approach(&self, k: usize, h: R) -> [R; 4] {
         let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
-        let [bent, gained, bend] = self.curved(k).plainly(self.share(h));
+        let [bent, gained, bend, jerk] = self.curved(k).plainly(self.share(h));
         let travelled = side.mul_add(bent, rate.value * h);
         let rate = (*side * over).mul_add(gained, rate.value);
-        [distance.value + travelled, rate, *side * over * over * bend]
+        let square = *side * over * over;
+        [distance.value + travelled, rate, square * bend, square * over * jerk]
+    }
+
+    /// What is left of friction at rest before the absorber at hand, which is accelerated so, would go in a direction: of one that is stuck, off its
+    /// wall.
+    pub(super) fn carried_by(&self, sign: R, shaken: [R; 4]) -> Jet<R> {
+        let [value, rate, curvature, jerk] = shaken.map(|it| sign * it);
+        let held = self.system.static_friction[self.at_hand()];
+        Jet { value: value + held, rate, curvature, jerk }
     }
 
     /// A and its derivatives that come with a place of the absorber at hand; those at the begin where none do.
@@ -348,7 +357,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
                 length,
                 #[inline(always)]
                 |h| {
-                    let [distance, rate, _] = self.approach(k, h);
+                    let [distance, rate, ..] = self.approach(k, h);
                     [distance - level, rate]
                 },
             )
@@ -474,9 +483,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         let place = &sample.places[k];
         let shaken = self.shaken(place);
         if begin.carried() {
-            let sign = if begin.stuck { -begin.side } else { self.off };
-            let [value, rate, curvature, jerk] = shaken.map(|it| sign * it);
-            return Jet { value: value + self.system.static_friction[k], rate, curvature, jerk };
+            return self.carried_by(-begin.side, shaken);
         }
         let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| place.side * it);
         Jet { value: place.distance.value, rate: place.rate.value, curvature, jerk }

@@ -8,7 +8,7 @@ use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::Observer;
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, Motion, Side};
-use crate::segment::slide::{Ends, Slide};
+use crate::segment::slide::{Ends, Slide, Slip};
 
 /// Length of the first search for the return from a stop in units of the time that it takes under constant acceleration.
 const LOOK: f64 = 1.25;
@@ -24,12 +24,12 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return false;
         }
         let length = flight.reach().min(self.progress.ahead());
-        let Some(Slide { end, ends, undecided }) = system.slide(&flight, length) else {
+        let Some(Slide { h, ends, undecided }) = system.slide(&flight, length) else {
             return false;
         };
         self.tally.undecided += undecided;
-        self.advance(&flight, end.h, length == remaining);
-        self.rub(&state, end.h);
+        self.advance(&flight, h, length == remaining);
+        self.rub(&state, h);
         match ends {
             Ends::Length => {}
             Ends::Wall(side) => self.meet(side),
@@ -109,9 +109,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let (held, slips) = if ride.stays_positive() {
             (length, None)
         } else {
-            let (stretch, direction) = system.first_slip(&ride, length);
-            self.tally.undecided += stretch.undecided;
-            (stretch.end.h, stretch.contact.map(|_| direction))
+            let Slip { h, direction, undecided } = system.first_slip(&ride, length);
+            self.tally.undecided += undecided;
+            (h, direction)
         };
         self.advance(&ride, held, length == remaining);
         self.rub(&state, held);
@@ -150,15 +150,15 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let mut look = -leave.rate * 2.0 / leave.curvature;
         for _ in 0..MOST {
             let flight = system.flight(&state);
-            let Slide { end, ends, .. } = system.slide(&flight, flight.reach().min(look))?;
-            let there = flight.arrival(end.h);
+            let Slide { h, ends, .. } = system.slide(&flight, flight.reach().min(look))?;
+            let there = flight.arrival(h);
             let (after, later) = match ends {
                 Ends::Length => (there, R::ZERO),
                 Ends::Stop => system.stopped(&there),
                 Ends::Wall(Side::Near) => system.touch(&there, system.wall(&there)),
                 Ends::Wall(Side::Far) => return None,
             };
-            (state, clock) = (after, clock.plus(end.h).plus(later));
+            (state, clock) = (after, clock.plus(h).plus(later));
             match ends {
                 Ends::Wall(_) => return Some((state, clock)),
                 Ends::Stop if system.is_held(&state) => return None,

@@ -15,7 +15,7 @@ use crate::engine::tally::{OfAbsorber, Tally};
 use crate::number::real::Real;
 use crate::segment::contact::{Stretch, first_contact, first_release};
 use crate::segment::flight::{Curve, Motion, Side};
-use crate::segment::slide::{Ends, Slide};
+use crate::segment::slide::{Ends, Slide, Slip};
 
 /// What a run keeps of an absorber that is not at hand.
 #[derive(Debug, Clone, Copy, Default)]
@@ -279,17 +279,17 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return Some(of(&stretch, stretch.contact.map(|_| Ending::Release)));
         }
         if system.is_held(from) {
-            let (stretch, direction) = system.first_slip(&system.ride(from), length);
-            return Some(of(&stretch, stretch.contact.map(|_| Ending::Slip(direction))));
+            let Slip { h, direction, undecided } = system.first_slip(&system.ride(from), length);
+            return Some(First { ending: direction.map(Ending::Slip), at: h, undecided });
         }
         if system.rubs(system.at_hand(from)) {
-            let Slide { end, ends, undecided } = system.slide(flight, length)?;
+            let Slide { h, ends, undecided } = system.slide(flight, length)?;
             let ending = match ends {
                 Ends::Length => None,
                 Ends::Wall(side) => Some(Ending::Contact(side)),
                 Ends::Stop => Some(Ending::Stop),
             };
-            return Some(First { ending, at: end.h, undecided });
+            return Some(First { ending, at: h, undecided });
         }
         let stretch = first_contact(flight, from, system.clearance_at_hand(from), length);
         Some(of(&stretch, stretch.contact.map(Ending::Contact)))
