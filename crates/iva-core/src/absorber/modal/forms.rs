@@ -16,7 +16,7 @@ use crate::segment::quadrature::{node, weight};
 use crate::segment::taylor::ORDER;
 
 /// Number of nodes: for a length of 1/Λ.
-const NODES: usize = 9;
+pub(super) const NODES: usize = 9;
 
 /// The losses in all dampers, and in the dashpots of the gaps.
 ///

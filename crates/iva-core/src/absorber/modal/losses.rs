@@ -1,6 +1,8 @@
-//! What a motion loses and gains: integrals of the products of polynomials.
+//! What a motion loses and gains: integrals of the products of polynomials, by quadrature: a motion is so short that what 9 nodes leave out is
+//! below 10⁻²⁰ of the whole.
 
 use super::ModalMotion;
+use super::forms::NODES;
 use super::propagator::Flown;
 use super::state::Place;
 use super::structure::Damping;
@@ -8,7 +10,7 @@ use crate::force::Force;
 use crate::host::Host;
 use crate::number::real::Real;
 use crate::segment::flight::Losses;
-use crate::segment::polynomial::product_integral;
+use crate::segment::quadrature::{node, weight};
 use crate::segment::taylor::{ORDER, Row};
 
 /// Lengths that differ by so many units of 2⁻⁵² are the same but for rounding.
@@ -20,9 +22,26 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         if let Some([all, gaps]) = self.lost_in_leap(h) {
             return Losses { viscous: all - gaps, pivot: gaps, work: R::ZERO };
         }
-        let rates = self.velocities();
-        let gaps = self.lost_in_gaps(&rates, h);
-        Losses { viscous: self.viscous(&rates, h) - gaps, pivot: gaps, work: self.work(&rates, h) }
+        let nodes = self.nodes([R::ZERO, h]);
+        let rates: Vec<AtNodes<R>> = (0..self.system.whole.count())
+            .map(|j| {
+                let row = self.modal_series().row(j);
+                let over = R::ONE / self.unit;
+                let rate: Row<R> = std::array::from_fn(|m| {
+                    if m < ORDER { row[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
+                });
+                at_nodes(&rate, &nodes)
+            })
+            .collect();
+        let gaps = self.lost_in_gaps(&rates) * h;
+        let viscous = self.viscous(&rates) * h - gaps;
+        Losses { viscous, pivot: gaps, work: self.work(&rates, &nodes) * h }
+    }
+
+    /// The nodes of the quadrature between two instants, in the unit of time of the series.
+    pub(super) fn nodes(&self, ends: [R; 2]) -> AtNodes<R> {
+        let part = ends.map(|h| self.share(h));
+        std::array::from_fn(|g| node::<R, NODES>(g, part))
     }
 
     /// The losses in all dampers and in the gaps, where the motion is a shortest leap that nothing drives or pulls.
@@ -42,82 +61,51 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         Some(forms.lost(n, &Flown::of(&from.modes, n)))
     }
 
-    /// q̇ of all modes as polynomials in t.
-    fn velocities(&self) -> Vec<Row<R>> {
-        let rate = |j: usize| {
-            let row = self.modal_series().row(j);
-            let over = R::ONE / self.unit;
-            std::array::from_fn(|m| {
-                if m < ORDER { row[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
-            })
-        };
-        (0..self.system.whole.count()).map(rate).collect()
-    }
-
-    /// ∫ a b dh of two polynomials from 0 to h.
-    pub(super) fn integral(&self, a: &Row<R>, b: &Row<R>, h: R) -> R {
-        product_integral(a, b, self.share(h)) * self.unit
-    }
-
-    /// ∫ q̇ᵀ D q̇ dh.
-    fn viscous(&self, rates: &[Row<R>], h: R) -> R {
+    /// The mean of q̇ᵀ D q̇.
+    fn viscous(&self, rates: &[AtNodes<R>]) -> R {
         let n = rates.len();
         match &self.system.whole.damping {
             Damping::Separate(dampers) => {
-                dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
-                    if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
-                })
+                let each = dampers.iter().zip(rates).filter(|(c, _)| c.value != 0.0);
+                each.fold(R::ZERO, |sum, (c, rate)| c.value.mul_add(mean(rate, rate), sum))
             }
             Damping::Full(matrix) => (0..n).fold(R::ZERO, |sum, j| {
-                let elements = &matrix[j * n..(j + 1) * n];
-                let force: Row<R> = std::array::from_fn(|m| {
-                    let both = elements.iter().zip(rates);
-                    both.fold(R::ZERO, |sum, (c, rate)| c.mul_add(rate[m], sum))
-                });
-                sum + self.integral(&rates[j], &force, h)
+                sum + mean(&rates[j], &along(&matrix[j * n..(j + 1) * n], rates))
             }),
         }
     }
 
-    /// Σ c ∫ ẏ² dh of the dashpots in the gaps.
-    fn lost_in_gaps(&self, rates: &[Row<R>], h: R) -> R {
+    /// The mean of Σ c ẏ² of the dashpots in the gaps.
+    fn lost_in_gaps(&self, rates: &[AtNodes<R>]) -> R {
         let flying = (0..self.system.count).filter(|k| !self.from.places[*k].carried());
         let tied = flying.filter_map(|k| self.system.tied[k].as_ref());
         tied.fold(R::ZERO, |sum, tied| {
-            let speed: Row<R> = std::array::from_fn(|m| {
-                let both = tied.shape.iter().zip(rates);
-                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
-            });
-            sum + tied.tie.taken(self.integral(&speed, &speed, h))
+            let speed = along(&tied.shape, rates);
+            sum + tied.tie.taken(mean(&speed, &speed))
         })
     }
 
-    /// ∫ f φ_f·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁) dh: ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
-    fn work(&self, rates: &[Row<R>], h: R) -> R {
+    /// The mean of Σ f φ·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁): ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
+    fn work(&self, rates: &[AtNodes<R>], nodes: &AtNodes<R>) -> R {
         let system = self.system;
         let Some(drive) = system.host.drive(&self.from.phase, self.unit) else { return R::ZERO };
-        let seen = |shape: &[R]| -> Row<R> {
-            std::array::from_fn(|m| {
-                let both = shape.iter().zip(rates);
-                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
-            })
-        };
-        let pushed = seen(system.whole.shape(system.pushed));
-        let mut work = self.integral(&pushed, &drive.primary, h);
+        let pushed = along(system.whole.shape(system.pushed), rates);
+        let mut work = mean(&pushed, &at_nodes(&drive.primary, nodes));
         for (point, row) in self.asides() {
-            work += self.integral(&seen(system.whole.shape(*point)), &row.map(|it| it.value), h);
+            let force = at_nodes(&row.map(|it| it.value), nodes);
+            work += mean(&along(system.whole.shape(*point), rates), &force);
         }
         if !system.host.moves_base() {
             return work;
         }
-        let mut momentum = seen(system.whole.participation().unwrap_or(&[]));
+        let mut momentum = along(system.whole.participation().unwrap_or(&[]), rates);
         for (k, (mass, place)) in system.masses().iter().zip(&self.from.places).enumerate() {
             // A tied mass takes part as a coordinate of the structure.
             if system.tied[k].is_some() {
                 continue;
             }
             let moving = if place.carried() {
-                seen(system.shape(k))
+                along(system.shape(k), rates)
             } else {
                 let [_, v] = self.from.modes.of_point(system.shape(k));
                 let mut moving = [R::ZERO; ORDER + 1];
@@ -126,13 +114,43 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
                     let gravity = if m == 0 { system.falling(k, place).value } else { R::ZERO };
                     moving[m + 1] = -((drive.base[m] + gravity) * R::reciprocal(m + 1) * self.unit);
                 }
-                moving
+                at_nodes(&moving, nodes)
             };
             for (sum, part) in momentum.iter_mut().zip(moving) {
                 *sum = part.mul_add(mass.mass_ratio, *sum);
             }
         }
-        work -= self.integral(&momentum, &drive.base, h);
-        work
+        work - mean(&momentum, &at_nodes(&drive.base, nodes))
     }
+}
+
+/// What a number is at all nodes.
+pub(super) type AtNodes<R> = [R; NODES];
+
+/// A polynomial at all nodes, side by side.
+pub(super) fn at_nodes<R: Real>(row: &Row<R>, nodes: &AtNodes<R>) -> AtNodes<R> {
+    let mut values = [R::ZERO; NODES];
+    for coefficient in row.iter().rev() {
+        for (value, t) in values.iter_mut().zip(nodes) {
+            *value = value.mul_add(*t, *coefficient);
+        }
+    }
+    values
+}
+
+/// The mean of a product.
+pub(super) fn mean<R: Real>(a: &AtNodes<R>, b: &AtNodes<R>) -> R {
+    let both = a.iter().zip(b).enumerate();
+    both.fold(R::ZERO, |sum, (g, (a, b))| (weight::<R, NODES>(g) * *a).mul_add(*b, sum))
+}
+
+/// A sum of modes with these factors at all nodes.
+fn along<R: Real>(shape: &[R], modes: &[AtNodes<R>]) -> AtNodes<R> {
+    let mut sum = [R::ZERO; NODES];
+    for (phi, mode) in shape.iter().zip(modes) {
+        for (sum, part) in sum.iter_mut().zip(mode) {
+            *sum = phi.mul_add(*part, *sum);
+        }
+    }
+    sum
 }

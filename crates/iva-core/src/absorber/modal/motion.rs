@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::equations::{Aside, Regime};
+use super::losses::{at_nodes, mean};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::{Modal, ModalState, wall_of};
@@ -429,9 +430,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         self.lost(h)
     }
 
-    fn square(&self, [from, to]: [R; 2]) -> R {
-        let x = self.x().row();
-        self.integral(&x, &x, to) - self.integral(&x, &x, from)
+    fn square(&self, ends: [R; 2]) -> R {
+        let x = at_nodes(&self.x().row(), &self.nodes(ends));
+        mean(&x, &x) * (ends[1] - ends[0])
     }
 
     fn rows(&self) -> Option<Rows<R>> {
