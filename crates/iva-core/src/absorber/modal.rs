@@ -1,7 +1,7 @@
 //! Free masses on a structure with several modes, each in a gap of its own at a point of the structure.
 //!
 //! ```text
-//! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = φⱼ(p) f(t) − Γⱼ a_g + Σₖ φⱼ(pₖ) (kₖ yₖ + cₖ ẏₖ + μₖ Gₖ),
+//! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = Σₚ φⱼ(p) fₚ(t) − Γⱼ a_g + Σₖ φⱼ(pₖ) (kₖ yₖ + cₖ ẏₖ + μₖ Gₖ),
 //! u_p = Σ φⱼ(p) qⱼ,     yₖ = x₁ₖ − u at pₖ,     ẍ₁ₖ = −a_g − Gₖ − (kₖ yₖ + cₖ ẏₖ)/μₖ.
 //! ```
 //!
@@ -45,7 +45,8 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`. Friction: `modal/friction.rs`. Springs and dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`.
+//! Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
+//! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
 
 use std::sync::OnceLock;
 
@@ -71,6 +72,7 @@ use ties::Tied;
 
 mod absorber;
 mod columns;
+mod drive;
 mod equations;
 mod forms;
 mod friction;
@@ -83,6 +85,8 @@ mod motion;
 mod on_structure;
 mod propagator;
 mod series;
+mod sight;
+mod slides;
 mod start;
 mod state;
 mod structure;

@@ -11,12 +11,13 @@
 //! the root of twice the energy grows by |φ_f| |f| + (|Γ| + Σ √μ) |a_g| per time at most, for M′ ≥ I and
 //! M′ ≥ μ φφᵀ.
 
+use super::drive::{Aside, Pushed};
 use super::series::{EXACT, ModalSeries, Series, Term, scaled};
 use super::state::{Modes, soon};
 use super::structure::Damping;
 use super::{Followed, MOST, Modal, ModalState};
-use crate::force::{Drive, Force, Harmonic};
-use crate::host::{Host, Phase, Structure as _};
+use crate::force::{Force, Harmonic};
+use crate::host::{Host, Structure as _};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::taylor::{Number, ORDER};
@@ -44,12 +45,6 @@ pub(super) struct Stuck<R> {
     /// (μ⁻¹ + ΦᵀΦ)⁻¹, row by row.
     inverse: Vec<DoubleDouble<R>>,
 }
-
-/// Coefficients of f, of a_g, and of gravity, which is 1 at all times.
-pub(super) type Pushed<R> = [DoubleDouble<R>; 3];
-
-/// What a harmonic force at another point is in powers of t, with the index of its point.
-pub(super) type Aside<R> = (usize, [DoubleDouble<R>; ORDER + 1]);
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// What these stuck masses need.
@@ -230,50 +225,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
         }
         rows.set(m + 2, |j| force[j] * over);
-    }
-
-    /// The coefficients of f, a_g and gravity from a state of the drive on, in powers of t = h/`unit`.
-    pub(super) fn pushes(
-        &self,
-        phase: &Phase<H>,
-        unit: R,
-    ) -> impl Fn(usize) -> Pushed<R> + use<R, H, N, M> {
-        let drive: Option<Drive<R>> = self.host.drive(phase, unit);
-        let now = self.host.drive_now(phase);
-        move |m| {
-            let gravity = DoubleDouble::new(if m == 0 { R::ONE } else { R::ZERO });
-            let Some(drive) = &drive else {
-                return [DoubleDouble::ZERO, DoubleDouble::ZERO, gravity];
-            };
-            let [f, a] = match &now {
-                Some(now) if m < 2 => {
-                    let power = if m == 0 { R::ONE } else { unit };
-                    [scaled(now.primary[m], power), scaled(now.base[m], power)]
-                }
-                _ => [drive.primary[m], drive.base[m]].map(DoubleDouble::new),
-            };
-            [f, a, gravity]
-        }
-    }
-
-    /// The harmonic forces at other points from a state of the drive on, in powers of t = h/`unit` up to `order`; plain beyond those that
-    /// the series have to twice the precision.
-    pub(super) fn asides(&self, phase: &Phase<H>, unit: R, order: usize) -> Vec<Aside<R>> {
-        let elsewhere = self.host.force().map_or(&[][..], Force::elsewhere);
-        let Some(time) = self.host.time(phase).filter(|_| !elsewhere.is_empty()) else {
-            return vec![];
-        };
-        let of = |(point, harmonic): &(usize, Harmonic<R>)| {
-            let mut row = [DoubleDouble::ZERO; ORDER + 1];
-            harmonic.add_precise(&mut row[..EXACT.min(order + 1)], time, unit);
-            let turn = harmonic.frequency * unit;
-            for m in EXACT..=order {
-                let over = R::reciprocal(m) * R::reciprocal(m - 1);
-                row[m] = DoubleDouble::new(-(row[m - 2].value * (turn * turn) * over));
-            }
-            (*point, row)
-        };
-        elsewhere.iter().map(of).collect()
     }
 
     /// What the curve of a mass is made of, beyond a uniform motion, from the series of all modes:

@@ -18,13 +18,12 @@
 //!
 //! Φ is made in `modal/propagator.rs`. Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
 
-use super::equations::Regime;
-use super::propagator::{Feed, Flown, MOST_WAVES};
+use super::propagator::{Feed, Flown};
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Followed, Modal, ModalState};
 use crate::absorber::{Clock, Coasted};
-use crate::force::{Acts, Force, Harmonic};
+use crate::force::Force;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -127,21 +126,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         bent
     }
 
-    /// Adds what a derivative of the drive is to the modes.
-    fn push_by(&self, waves: &[[DoubleDouble<R>; 2]; MOST_WAVES], order: usize, bent: &mut [R; M]) {
-        for ((harmonic, point), [cosine, sine]) in self.waves().zip(waves) {
-            let turned = [cosine.value, sine.value, -cosine.value, -sine.value][order % 4];
-            let size = (0..order).fold(turned, |size, _| size * harmonic.frequency);
-            let (shape, size) = match harmonic.acts {
-                Acts::Primary => (self.whole.shape(point), size),
-                Acts::Base => (self.whole.participation().unwrap_or(&[]), -size),
-            };
-            for (bent, part) in bent.iter_mut().zip(shape) {
-                *bent = part.mul_add(size, *bent);
-            }
-        }
-    }
-
     /// True if speeds and accelerations at both ends of a free flight prove that the point which a run sees does not turn in it.
     pub(super) fn never_turns(&self, [from, to]: [&ModalState<H, N, M>; 2], length: R) -> bool {
         let driven = self.host.force().is_some_and(Force::lasts);
@@ -167,26 +151,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let stuck = self.regime(&from.places).stuck;
         let fifth = self.bound(|j| [bent[2][j], bent[3][j]], stuck, followed, 4, length);
         keeps_pressing(ends, size + last_size, fifth, length)
-    }
-
-    /// The harmonic parts of the drive, each with the index of the point on which it acts unless it moves the base.
-    pub(super) fn waves(&self) -> impl Iterator<Item = (&Harmonic<R>, usize)> {
-        let own = self.host.force().map_or(&[][..], Force::harmonics).iter();
-        let elsewhere = self.host.force().map_or(&[][..], Force::elsewhere).iter();
-        own.map(|it| (it, self.pushed)).chain(elsewhere.map(|(point, it)| (it, *point)))
-    }
-
-    /// What feeds the structure from a state on.
-    fn feed(&self, state: &ModalState<H, N, M>) -> Feed<R, N> {
-        let Regime { pulls, .. } = self.regime(&state.places);
-        let mut waves = [[DoubleDouble::ZERO; 2]; MOST_WAVES];
-        if let Some(time) = self.host.time(&state.phase) {
-            for (wave, (harmonic, _)) in waves.iter_mut().zip(self.waves()) {
-                let (s, c) = R::precise_sincos(harmonic.angle(time));
-                *wave = [c, -s].map(|part| part.times(harmonic.amplitude));
-            }
-        }
-        Feed { pulls, waves }
     }
 
     /// Bounds on the third derivatives of the distances of masses that rub, and on the fourth ones of all, in a motion of this length.

@@ -2,7 +2,8 @@
 
 use std::cell::OnceCell;
 
-use super::equations::{Aside, Regime};
+use super::drive::Aside;
+use super::equations::Regime;
 use super::losses::{at_nodes, mean};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
@@ -11,7 +12,6 @@ use crate::absorber::{Clock, OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear_by};
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Seen, Side, Travel, Turns,
 };
@@ -87,7 +87,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     }
 
     /// ∬A at the point of a mass.
-    fn curved(&self, k: usize) -> &Series<R> {
+    pub(super) fn curved(&self, k: usize) -> &Series<R> {
         let Expansion { rows, curved, base, .. } = self.expansion();
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
@@ -143,7 +143,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     }
 
     /// The index of the absorber at hand, and its place at the begin.
-    fn begun(&self) -> (usize, &Place<R>) {
+    pub(super) fn begun(&self) -> (usize, &Place<R>) {
         let k = self.at_hand();
         (k, &self.from.places[k])
     }
@@ -189,28 +189,6 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         };
         let shaken = Some([a * square, jerk * over * square, snap, R::ZERO]);
         Place { distance, rate, shaken, ..*place }
-    }
-
-    /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
-    fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
-        let shape = self.system.gap_shape(k).iter().enumerate();
-        shape.fold(self.magnitude(), |size, (j, phi)| {
-            let of = |Modes { places, velocities }: &Modes<R, M>| {
-                velocities[j].value.abs().mul_add(length, places[j].value.abs())
-            };
-            phi.abs().mul_add(of(&self.from.modes) + of(&end.modes), size)
-        })
-    }
-
-    /// The distance of a mass in flight from its wall with three derivatives, in plain numbers.
-    #[inline(always)]
-    pub(super) fn approach(&self, k: usize, h: R) -> [R; 4] {
-        let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
-        let [bent, gained, bend, jerk] = self.curved(k).plainly(self.share(h));
-        let travelled = side.mul_add(bent, rate.value * h);
-        let rate = (*side * over).mul_add(gained, rate.value);
-        let square = *side * over * over;
-        [distance.value + travelled, rate, square * bend, square * over * jerk]
     }
 
     /// What is left of friction at rest before the absorber at hand, which is accelerated so, would go in a direction: of one that is stuck, off its
@@ -318,52 +296,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
-        let (k, from) = self.begun();
-        let to = &end.places[k];
-        let friction = self.system.friction[k];
-        if from.carried() {
-            let friction = self.system.static_friction[k];
-            let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
-            return signs.into_iter().all(|sign| {
-                let carries = |place: &Place<R>| {
-                    let [a, jerk, ..] = self.shaken(place);
-                    [sign.mul_add(a, friction), sign * jerk]
-                };
-                let ends = [carries(from), carries(to)];
-                keeps_pressing(ends, self.magnitude(), self.fourth(), length)
-            });
-        }
-        if friction != 0.0 && !self.keeps_sliding([from, to], length) {
-            return false;
-        }
-        let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
-        stays_clear_by(ends, self.magnitude(), self.size(k, end, length), self.fourth(), length)
+        self.surely_clears(length, end)
     }
 
     fn meets(&self, length: R, end: &Self::State) -> Option<(R, Side)> {
-        let (k, from) = self.begun();
-        if from.carried() || self.system.friction[k] != 0.0 {
-            return None;
-        }
-        let to = &end.places[k];
-        let ends = [[from.distance.value, to.distance.value], [from.rate.value, to.rate.value]];
-        let (wide, size) = (self.magnitude(), self.size(k, end, length));
-        let (side, level) = only_contact(ends, wide, size, self.fourth(), length)?;
-        let [bend, end_bend] = [R::ZERO, length].map(|h| self.approach(k, h)[2]);
-        let h = {
-            meeting(
-                ends,
-                [bend, end_bend],
-                level,
-                length,
-                #[inline(always)]
-                |h| {
-                    let [distance, rate, ..] = self.approach(k, h);
-                    [distance - level, rate]
-                },
-            )
-        }?;
-        Some((h, side))
+        self.sure_contact(length, end)
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

@@ -5,7 +5,8 @@ use super::Modal;
 use std::sync::OnceLock;
 
 use super::columns::{Column, Wave, column, turning, twice, units};
-use super::equations::{Aside, Pushed, Regime};
+use super::drive::{Aside, Pushed};
+use super::equations::Regime;
 use super::forms::Forms;
 use super::state::{Modes, Place};
 use crate::absorber::Clock;

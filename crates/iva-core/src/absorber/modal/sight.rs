@@ -1,0 +1,83 @@
+//! What the values at both ends of a motion prove at once.
+
+use super::state::{Modes, Place};
+use super::{ModalMotion, ModalState};
+use crate::host::Host;
+use crate::number::real::Real;
+use crate::segment::contact::{keeps_pressing, meeting, only_contact, stays_clear_by};
+use crate::segment::flight::{Curve as _, Side};
+
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
+    /// True if it is proved that nothing happens to the absorber at hand on its way to a state.
+    pub(super) fn surely_clears(&self, length: R, end: &ModalState<H, N, M>) -> bool {
+        let (k, from) = self.begun();
+        let to = &end.places[k];
+        let friction = self.system.friction[k];
+        if from.carried() {
+            let friction = self.system.static_friction[k];
+            let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
+            return signs.into_iter().all(|sign| {
+                let carries = |place: &Place<R>| {
+                    let [a, jerk, ..] = self.shaken(place);
+                    [sign.mul_add(a, friction), sign * jerk]
+                };
+                let ends = [carries(from), carries(to)];
+                keeps_pressing(ends, self.magnitude(), self.fourth(), length)
+            });
+        }
+        if friction != 0.0 && !self.keeps_sliding([from, to], length) {
+            return false;
+        }
+        let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
+        stays_clear_by(ends, self.magnitude(), self.size(k, end, length), self.fourth(), length)
+    }
+
+    /// The only contact of the absorber at hand on its way to a state, where both ends tell that there is one.
+    pub(super) fn sure_contact(&self, length: R, end: &ModalState<H, N, M>) -> Option<(R, Side)> {
+        let (k, from) = self.begun();
+        if from.carried() || self.system.friction[k] != 0.0 {
+            return None;
+        }
+        let to = &end.places[k];
+        let ends = [[from.distance.value, to.distance.value], [from.rate.value, to.rate.value]];
+        let (wide, size) = (self.magnitude(), self.size(k, end, length));
+        let (side, level) = only_contact(ends, wide, size, self.fourth(), length)?;
+        let [bend, end_bend] = [R::ZERO, length].map(|h| self.approach(k, h)[2]);
+        let h = {
+            meeting(
+                ends,
+                [bend, end_bend],
+                level,
+                length,
+                #[inline(always)]
+                |h| {
+                    let [distance, rate, ..] = self.approach(k, h);
+                    [distance - level, rate]
+                },
+            )
+        }?;
+        Some((h, side))
+    }
+
+    /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
+    fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
+        let shape = self.system.gap_shape(k).iter().enumerate();
+        shape.fold(self.magnitude(), |size, (j, phi)| {
+            let of = |Modes { places, velocities }: &Modes<R, M>| {
+                velocities[j].value.abs().mul_add(length, places[j].value.abs())
+            };
+            phi.abs().mul_add(of(&self.from.modes) + of(&end.modes), size)
+        })
+    }
+
+    /// The distance of a mass in flight from its wall with three derivatives, in plain numbers.
+    #[inline(always)]
+    pub(super) fn approach(&self, k: usize, h: R) -> [R; 4] {
+        let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
+        let [bent, gained, bend, jerk] = self.curved(k).plainly(self.share(h));
+        let travelled = side.mul_add(bent, rate.value * h);
+        let rate = (*side * over).mul_add(gained, rate.value);
+        let square = *side * over * over;
+        [distance.value + travelled, rate, square * bend, square * over * jerk]
+    }
+}
