@@ -179,9 +179,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let (at_hand, mass, place) = self.at_hand_of(state);
         let met = place.measured_from(wall, mass);
-        let [acceleration, jerk, ..] = self.shaken(state, at_hand);
+        let acceleration = self.shaken(state, at_hand)[0];
         let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
-        let met = met.moved(later, [acceleration, jerk]);
+        let met = met.moved(later, acceleration);
         let mut touching = self.moved(state, later, &|k| k == at_hand);
         for (k, place) in touching.places[..self.count].iter_mut().enumerate() {
             if k == at_hand {

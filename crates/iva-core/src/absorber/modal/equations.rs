@@ -13,7 +13,7 @@
 
 use super::drive::{Aside, Pushed};
 use super::series::{EXACT, ModalSeries, Series, Term, scaled};
-use super::state::{Modes, soon};
+use super::state::Modes;
 use super::structure::Damping;
 use super::{Followed, MOST, Modal, ModalState};
 use crate::force::{Force, Harmonic};
@@ -387,20 +387,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (pushes, asides) =
             (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));
         let regime = self.regime(&state.places);
-        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (3, 0));
+        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (2, 0));
         let mut moved = state.renewed();
         for j in 0..self.whole.count() {
-            let velocity = moved.modes.velocities[j];
-            let bends = [velocity.value, rows.plain(j, 2) * 2.0, rows.plain(j, 3) * 6.0];
-            let [way, gained] = soon(bends, time);
-            moved.modes.places[j] = moved.modes.places[j].plus(way);
-            moved.modes.velocities[j] = velocity.plus(gained);
+            let acceleration = rows.plain(j, 2) * 2.0;
+            moved.modes.places[j] =
+                moved.modes.places[j].plus(moved.modes.velocities[j].value * time);
+            moved.modes.velocities[j] = moved.modes.velocities[j].plus(acceleration * time);
         }
         moved.phase = self.host.free().later(&state.phase, time);
         for k in (0..self.count).filter(|k| !chosen(*k)) {
             let place = &mut moved.places[k];
-            let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 3));
-            *place = place.moved(time, [curved.plain(2) * 2.0, curved.plain(3) * 6.0]);
+            let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 2));
+            *place = place.moved(time, curved.plain(2) * 2.0);
         }
         moved
     }

@@ -100,12 +100,6 @@ impl<R: Real, const M: usize> Modes<R, M> {
     }
 }
 
-/// The way in a short time, and the velocity gained, to second order, from velocity, acceleration and jerk.
-pub(super) fn soon<R: Real>([rate, bend, jerk]: [R; 3], time: R) -> [R; 2] {
-    let half = time * time * 0.5;
-    [bend.mul_add(half, rate * time), jerk.mul_add(half, bend * time)]
-}
-
 impl<R: Real> Place<R> {
     /// Far from its walls, over a structure at rest.
     pub(super) const FAR: Self = Self {
@@ -141,14 +135,13 @@ impl<R: Real> Place<R> {
         Self { side, distance: across, rate: self.rate.negated(), ..*self }
     }
 
-    /// The place a short time later, with this A and its derivative.
-    pub(super) fn moved(&self, time: R, bends: [R; 2]) -> Self {
+    /// The place a short time later, with this A.
+    pub(super) fn moved(&self, time: R, acceleration: R) -> Self {
         if self.carried() {
             return *self;
         }
-        let [way, gained] =
-            soon([self.rate.value, self.side * bends[0], self.side * bends[1]], time);
-        let (distance, rate) = (self.distance.plus(way), self.rate.plus(gained));
-        Self { distance, rate, shaken: None, ..*self }
+        let distance = self.distance.plus(self.rate.value * time);
+        let gained = acceleration * time;
+        Self { distance, rate: self.rate.plus(self.side * gained), shaken: None, ..*self }
     }
 }
