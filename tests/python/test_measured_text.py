@@ -144,6 +144,15 @@ def test_what_is_written_in_any_dialect_comes_back(
         assert record.name.startswith("a1")
 
 
+def test_a_record_of_a_millisecond_is_not_rounded_to_seconds() -> None:
+    """Of 52 samples at 51.2 kHz, written to 1e-6 s; all are less than 1e-3 s after time zero."""
+    times = [k / 51200 for k in range(52)]
+    written_times = [round(time, 6) for time in times]
+    record = Measured(written_times, list(range(52)), "acceleration")
+    assert record.time == pytest.approx(times, abs=1.5e-6)
+    assert record.sampling_hz == pytest.approx(51200, rel=1.5e-6 * 51200 / 51)
+
+
 @given(st.sampled_from(SEPARATIONS), st.lists(st.integers(-999, 999), min_size=20, unique=True))
 def test_columns_without_names(separation: tuple[str, str], tenths: list[int]) -> None:
     delimiter, decimal = separation

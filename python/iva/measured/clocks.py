@@ -133,10 +133,13 @@ def rounding(times: NDArray[np.float64], hz: float) -> float:
     It is the largest power of ten that all are multiples of. If the step is a multiple of it as
     well, nothing was rounded off.
     """
+    steps = np.diff(times)
+    least = float(steps[steps > 0.0].min())
     for place in range(PLACES + 1):
-        # What float64 leaves of a decimal number is far less than a thousandth of its last place.
+        # What float64 leaves of a decimal number is far less than a thousandth of its last place,
+        # and of a step: all of a short record is near to whole seconds.
         scaled = times * 10.0**place
-        if np.abs(scaled - np.round(scaled)).max() < 1e-3:
+        if np.abs(scaled - np.round(scaled)).max() < 1e-3 * min(1.0, least * 10.0**place):
             ratio = 10.0**place / hz
             return 0.0 if abs(ratio - round(ratio)) * len(times) < 1e-3 else 10.0**-place
     return 0.0
