@@ -146,6 +146,45 @@ fn impacts_are_those_of_twice_the_precision() {
     assert!(compared > 200, "{compared}");
 }
 
+/// Over one flight the distance is δ + g (−t²/60 + t³/40 − t⁵/120): level at both ends, and lower by .0013 g between them. Its bend comes from
+/// a force at another point, which has no second derivative at the begin: only the bound on what that force will do knows of the contact.
+#[test]
+fn a_contact_that_only_a_force_elsewhere_makes_is_not_missed() {
+    let mut rng = Rng::new(141);
+    let [mut met, mut missed] = [0, 0];
+    for round in 0..100 {
+        let (g, slow) = (rng.log_range(1e-3, 0.1), 0.05);
+        let structure = ModalStructure::new(&[1e-4], &[0.0]).unwrap();
+        let structure = structure.with_point("a", &[1.0]).unwrap().with_point("b", &[1.0]).unwrap();
+        let system = Modal::new(structure, [(FreeMass::new(1e-28, 0.5, 1.0).unwrap(), "a")]);
+        // ü = −g/30 + .15 g t − g t³/6: a slow force for the first two terms less g t, and g sin t elsewhere.
+        let [cosine, sine] = [-g / 30.0, 0.85 * g / slow];
+        let own = harmonic::<f64>([f64::hypot(cosine, sine), slow, sine.atan2(cosine)]);
+        let other = harmonic::<f64>([g, 1.0, -std::f64::consts::FRAC_PI_2]);
+        let force = Force::harmonic(vec![own]).unwrap().with_elsewhere(vec![(1, other)]).unwrap();
+        let system = system.unwrap().under(force, "a").unwrap();
+        let touches = rng.unit() < 0.5;
+        let delta = g * if touches { rng.range(2e-4, 1.1e-3) } else { rng.range(1.5e-3, 3e-3) };
+        let gap = GapPoint { y: 1.0 - delta, w: 0.0 };
+        let start = ModalStart::new(&[0.0], &[0.0], [gap]).unwrap();
+        let found = run(&system, &start, &Limits::new(0.999_999, 1e-9)).unwrap();
+        assert_eq!(found.impacts.is_empty(), !touches, "{round}: {:e} g", delta / g);
+        if let Some(impact) = found.impacts.first() {
+            let way = |t: f64| delta + g * t * t * (-1.0 / 60.0 + t / 40.0 - t.powi(3) / 120.0);
+            let (mut from, mut to) = (0.0, 0.5);
+            for _ in 0..60 {
+                let middle = 0.5 * (from + to);
+                if way(middle) > 0.0 { from = middle } else { to = middle }
+            }
+            // The series of the sines go on: t⁷/5040 and slow² are left out of the polynomial.
+            assert!((impact.time - to).abs() < 0.02, "{round}: {} {to}", impact.time);
+        }
+        met += u32::from(touches);
+        missed += u32::from(!touches);
+    }
+    assert!(met > 30 && missed > 30, "{met} {missed}");
+}
+
 /// A force in two halves at points of one shape is the whole.
 #[test]
 fn two_halves_are_the_whole() {

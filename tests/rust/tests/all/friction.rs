@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Absorber,
     absorber::modal::{FEW, FewModes, Modal, ModalStart, ModalState, ModalStructure},
     flight::{GapPoint, Motion},
     force::{Acts, Force, Harmonic, History, Impulse, Record},
@@ -599,6 +600,44 @@ fn a_speed_that_nearly_vanishes_is_decided() {
     }
     println!("{stopped} {passed} {undecided}");
     assert!(stopped > 100 && passed > 100, "{stopped} {passed} {undecided}");
+}
+
+/// The gap velocity dips to δ between two bumps, where both ends of the flight and the slopes there tell of a bump alone: two modes whose
+/// curvatures cancel, and friction that does next to nothing. Only the bound on what lies between the ends knows whether the mass stops.
+#[test]
+fn a_stop_between_two_bumps_is_not_missed() {
+    let mut rng = Rng::new(139);
+    let [mut stopped, mut passed] = [0, 0];
+    for round in 0..200 {
+        let structure = ModalStructure::new(&[1e-4, 1.5, 3.0], &[0.0; 3]).unwrap();
+        let structure = structure.with_point("top", &[1.0; 3]).unwrap();
+        let mass = FreeMass::new(NOTHING, 0.5, 500.0).unwrap();
+        let system = Modal::new(structure, [(mass, "top")]).unwrap();
+        let system = system.with_friction(&[1e-9]).unwrap();
+        let begin = |q: [f64; 3], v: [f64; 3], w: f64| {
+            ModalStart::new(&q, &v, [GapPoint { y: 0.0, w }]).unwrap()
+        };
+        let still = begin([0.0; 3], [0.0; 3], 1.0);
+        let length = system.flight(&system.begin(&still)).reach();
+        // w = δ + q s² − s⁴ + … with s from the middle on, as in `driven_leaps::a_dip_between_bumps_is_not_denied`.
+        let (half, square) = (0.5 * length, 0.25 * length * length);
+        let q = 2.0 * square * rng.range(0.6, 0.8);
+        let a = (-24.0 + 4.5 * q) / (81.0 - 20.25);
+        let b = (-2.0 * q - 9.0 * a) / 2.25;
+        let high = q * square - square * square;
+        let dips = rng.unit() < 0.5;
+        let delta = high * if dips { -rng.range(0.05, 0.9) } else { rng.range(0.05, 0.9) };
+        // The mass keeps its velocity in space, so that w falls by what the structure gains.
+        let places = [0.0, b / 1.5 * f64::sin(1.5 * half), a / 3.0 * f64::sin(3.0 * half)];
+        let speeds = [0.0, -b * f64::cos(1.5 * half), -a * f64::cos(3.0 * half)];
+        let w = delta + a * (f64::cos(3.0 * half) - 1.0) + b * (f64::cos(1.5 * half) - 1.0);
+        let start = begin(places, speeds, w);
+        let found = run(&system, &start, &Limits::new(length, 500.0)).unwrap();
+        assert_eq!(found.tally.friction.stops > 0, dips, "{round}: {delta:e} of {high:e}");
+        stopped += u32::from(dips);
+        passed += u32::from(!dips);
+    }
+    assert!(stopped > 60 && passed > 60, "{stopped} {passed}");
 }
 
 /// A block that stops just before its wall has no impact, one that would stop behind it has one.
