@@ -104,10 +104,15 @@ pub trait Absorber: ImpactLaw {
     fn at_hand(&self, _state: &Self::State) -> usize {
         0
     }
+    /// Takes the absorber of this index at hand.
+    #[inline(always)]
+    fn take_at_hand(&self, _state: &mut Self::State, _absorber: usize) {}
     /// The same state with the absorber of this index at hand.
     #[inline(always)]
-    fn turned_to(&self, state: &Self::State, _absorber: usize) -> Self::State {
-        *state
+    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
+        let mut turned = *state;
+        self.take_at_hand(&mut turned, absorber);
+        turned
     }
     /// Makes the curve of a motion that of the absorber of this index.
     fn turn<'a>(&'a self, _flight: &mut Self::Flight<'a>, _absorber: usize) {}

@@ -83,6 +83,7 @@ mod losses;
 mod matrices;
 mod motion;
 mod on_structure;
+mod oscillation;
 mod propagator;
 mod series;
 mod sight;
@@ -138,6 +139,10 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     static_friction: [H::Real; N],
     /// What a set of stuck or held masses needs, made when the set first is.
     stuck: Vec<OnceLock<Stuck<H::Real>>>,
+    /// True if the structure moves as one oscillator, whose motion the host knows (`modal/oscillation.rs`).
+    oscillates: bool,
+    /// The oscillator with a set of stuck or held masses, made when the set first is.
+    carrying: Vec<OnceLock<Box<H>>>,
     /// Longest motion, if the drive stays smooth.
     reach: H::Real,
     /// Made when the structure first leaps.
@@ -193,7 +198,9 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         for (k, (_, point)) in masses.iter().enumerate() {
             at[k] = structure.point(&format!("absorber.{k}.point"), point)?;
         }
-        let host = UndrivenHost::new(R::ZERO, R::ZERO);
+        let damping_ratio = structure.damping_ratio(0).filter(|_| structure.moves_as_one());
+        let total = masses.iter().fold(R::ZERO, |sum, (mass, _)| sum + mass.mass_ratio);
+        let host = UndrivenHost::new(damping_ratio.unwrap_or(R::ZERO), total);
         let unused = FreeMass::new(R::ONE, R::ONE, R::ONE)?;
         let modal = Self {
             whole: structure.clone(),
@@ -210,6 +217,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             friction: [R::ZERO; N],
             static_friction: [R::ZERO; N],
             stuck: vec![],
+            oscillates: false,
+            carrying: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
@@ -226,8 +235,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             range::size(&format!("absorber.{k}.gravity"), *given)?;
             *own = *given;
         }
-        self.leaps = OnceLock::new();
-        Ok(self)
+        Ok(self.completed())
     }
 
     /// The same masses on the same structure under a force that acts at a named point, and where it says so at others, or on a base that it
@@ -257,7 +265,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
                 "a moving base needs the participation of each mode",
             ));
         }
-        let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
+        let host = DrivenHost::new(self.host.damping_ratio(), self.total(), force, R::ZERO);
         let driven = Modal {
             structure: self.structure.clone(),
             whole: self.whole.clone(),
@@ -273,6 +281,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             friction: self.friction,
             static_friction: self.static_friction,
             stuck: vec![],
+            oscillates: false,
+            carrying: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
@@ -289,6 +299,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         self.mobility = mobility;
         self.stuck = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
+        let untied = self.tied.iter().all(Option::is_none) && self.whole.moves_as_one();
+        let alone = self.host.force().is_none_or(|force| force.elsewhere().is_empty());
+        self.oscillates = untied && alone && (self.is_level() || !self.host.moves_base());
+        self.carrying = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
         self

@@ -226,8 +226,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         usize::from(state.at_hand)
     }
 
-    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
-        SeveralState { at_hand: absorber as u8, ..*state }
+    fn take_at_hand(&self, state: &mut Self::State, absorber: usize) {
+        state.at_hand = absorber as u8;
     }
 
     fn turn<'a>(&'a self, flight: &mut Together<'a, H, N>, absorber: usize) {

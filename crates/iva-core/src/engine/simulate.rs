@@ -277,7 +277,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let length = flight.reach().min(self.progress.ahead());
         let fast = if std::mem::take(&mut self.short) { None } else { flight.fast_path(length) };
         if let Some(FastFlight { length: h, later, end, meets }) = fast {
-            self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
+            self.arrive(&flight, [h, later], &end, h == remaining && meets == Meets::Nothing);
             match meets {
                 Meets::Nothing => self.coast_after(),
                 Meets::Wall => self.apply_impact(),
@@ -373,11 +373,11 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        self.advance_to(motion, h, motion.arrival(h), to_the_end);
+        self.advance_to(motion, h, &motion.arrival(h), to_the_end);
     }
 
     /// Advances by a motion of length h to the state after it.
-    fn advance_to<M>(&mut self, motion: &M, h: R, end: S::State, to_the_end: bool)
+    fn advance_to<M>(&mut self, motion: &M, h: R, end: &S::State, to_the_end: bool)
     where
         M: Motion<Real = R, State = S::State>,
     {
@@ -386,7 +386,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the end of the run.
-    fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: S::State, whole: bool)
+    fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: &S::State, whole: bool)
     where
         M: Motion<Real = R, State = S::State>,
     {
@@ -396,12 +396,12 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             start: clock,
             length: h + later,
             from: self.system.primary(&self.tally.state),
-            to: self.system.primary(&end),
-            end: &end,
+            to: self.system.primary(end),
+            end,
         };
         self.observer.span(self.system, &span);
         self.progress = self.progress.moved(true, clock.plus_parts(h, later), R::INFINITY);
-        self.tally.state = end;
+        self.tally.state = *end;
         if whole {
             self.reach_end();
         }

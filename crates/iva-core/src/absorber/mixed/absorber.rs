@@ -63,8 +63,8 @@ impl<R: Real, H: Host<Real = R>> Absorber for Mixed<H> {
         usize::from(state.at_hand)
     }
 
-    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
-        MixedState { at_hand: absorber as u8, ..*state }
+    fn take_at_hand(&self, state: &mut Self::State, absorber: usize) {
+        state.at_hand = absorber as u8;
     }
 
     fn turn<'a>(&'a self, flight: &mut MixedFlight<'a, H>, absorber: usize) {

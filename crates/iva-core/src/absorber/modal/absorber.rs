@@ -3,7 +3,7 @@
 use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
-use crate::absorber::{Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
+use crate::absorber::{Aboard, Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
@@ -47,8 +47,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         usize::from(state.at_hand)
     }
 
-    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
-        ModalState { at_hand: absorber as u8, ..*state }
+    fn take_at_hand(&self, state: &mut Self::State, absorber: usize) {
+        state.at_hand = absorber as u8;
     }
 
     fn turn<'a>(&'a self, flight: &mut ModalMotion<'a, H, N, M>, absorber: usize) {
@@ -67,7 +67,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let mut freed = state.renewed();
         freed.places[k].stuck = false;
         freed.places[k] = self.directed(k, &freed.places[k]);
-        self.settled(&freed)
+        self.settle(&mut freed);
+        freed
     }
 
     /// A mass travels |Ḋ| t + ½ |A| t² at most. The impulses of all impacts of a chatter sum to less than twice the reduced
@@ -76,7 +77,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
         let (at_hand, mass, place) = self.at_hand_of(state);
         // The bound of a power law has four times the change of the pressure, and a longer first rebound.
-        if !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
+        if !self.oscillates && !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
             return false;
         }
         let e = mass.law(place.side).restitution;
@@ -130,21 +131,34 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn flight(&self, state: &Self::State) -> ModalMotion<'_, H, N, M> {
-        ModalMotion::new(self, *state)
+        ModalMotion::new(self, state)
     }
 
     fn ride(&self, state: &Self::State) -> ModalMotion<'_, H, N, M> {
-        ModalMotion::new(self, *state)
+        ModalMotion::new(self, state)
     }
 
     const LEAPS: bool = true;
 
     fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
-        self.leap(state, remaining)
+        if !self.oscillates {
+            return self.leap(state, remaining);
+        }
+        // A run of the structure alone sees its motion as it is.
+        if self.count == 0 || self.is_level() {
+            self.steps_ahead(state, remaining)
+        } else {
+            self.leap(state, remaining)
+        }
     }
 
     fn coasted(&self, state: &Self::State, steps: usize) -> Coasted<Self::State, R> {
-        self.leapt(state, steps)
+        let steps_by = self.oscillates && (self.count == 0 || self.is_level());
+        if steps_by { self.stepped(state, steps) } else { self.leapt(state, steps) }
+    }
+
+    fn aboard(&self, state: &Self::State, _stuck: bool) -> Aboard {
+        self.on_board(state)
     }
 
     fn wall(&self, state: &Self::State) -> Wall {
@@ -222,7 +236,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             k == at_hand || (state.places[k].stuck && ends())
         };
         let leaves: [bool; N] = std::array::from_fn(|k| k < self.count && leaves(k));
-        let mut after = self.moved(state, later, &|k| leaves[k]).renewed();
+        let mut after = self.moved(state, later, &|k| leaves[k]);
+        after.renew();
         for (place, leaves) in after.places.iter_mut().zip(leaves) {
             place.stuck &= !leaves;
         }
@@ -234,7 +249,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         for (place, shaken) in after.places.iter_mut().zip(shaken) {
             place.shaken = shaken;
         }
-        (self.settled(&after), later)
+        self.settle(&mut after);
+        (after, later)
     }
 
     fn rubs(&self, absorber: usize) -> bool {

@@ -264,6 +264,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     #[inline(never)]
     fn shaken_now(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
+        if let Some(it) = self.oscillating(state) {
+            return self.shaken_by(&it, self.pull(k, place));
+        }
         let pushes = self.pushes(&state.phase, R::ONE);
         // Of a mass in flight that does not rub A and its rate are enough.
         let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
@@ -383,6 +386,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> ModalState<H, N, M> {
         if time == 0.0 {
             return *state;
+        }
+        if let Some(it) = self.oscillating(state) {
+            let mut moved = state.renewed();
+            Self::soon(&it, &mut moved, time);
+            for (k, place) in moved.places[..self.count].iter_mut().enumerate() {
+                if !chosen(k) {
+                    *place = place.moved(time, self.shaken_by(&it, self.pull(k, place))[0]);
+                }
+            }
+            return moved;
         }
         let (pushes, asides) =
             (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));

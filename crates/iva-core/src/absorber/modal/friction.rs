@@ -7,9 +7,7 @@
 //!
 //! Friction is finite, so a blow carries no mass that friction holds: it slides from then on. Each beginning, turn and end of a slide
 //! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
-//! at once ([`Modal::settled`]).
-
-use std::sync::OnceLock;
+//! at once ([`Modal::settle`]).
 
 use super::slides::{Slipping, Speed};
 use super::state::Place;
@@ -48,8 +46,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             *own = *given;
         }
         self.static_friction = self.friction;
-        self.leaps = OnceLock::new();
-        Ok(self)
+        Ok(self.completed())
     }
 
     /// The same masses, each of which friction holds at rest up to Rₛ, an acceleration: as large as that of a slide, or larger.
@@ -100,35 +97,33 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         Place { sliding, held: false, ..*place }
     }
 
-    /// The state in which each mass at rest in its gap is held, or slides off where friction cannot hold it.
+    /// Holds each mass at rest in its gap, or lets it slide off where friction cannot hold it.
     ///
     /// What one of them does changes A of all others. The forces are those of a linear complementarity problem with a positive
     /// definite matrix, as those of impacts (`modal/impact_law.rs`), and the first mass that breaks its rule is changed until none does.
     /// Where that does not end the state is no number.
-    pub(super) fn settled(&self, state: &ModalState<H, N, M>) -> ModalState<H, N, M> {
-        let rests = |k: &usize| {
-            let place = &state.places[*k];
+    pub(super) fn settle(&self, state: &mut ModalState<H, N, M>) {
+        let rests: [bool; N] = std::array::from_fn(|k| {
+            let place = &state.places[k];
             let inside = place.distance.value > 0.0 && !place.stuck;
-            self.friction[*k] != 0.0 && inside && place.rate.value == 0.0
-        };
-        let mut now = *state;
-        if !(0..self.count).any(|k| rests(&k)) {
-            return now;
+            k < self.count && self.friction[k] != 0.0 && inside && place.rate.value == 0.0
+        });
+        if !rests.contains(&true) {
+            return;
         }
         for _ in 0..4_usize << (2 * self.count) {
             let Some((k, sliding)) = (0..self.count)
-                .filter(rests)
-                .find_map(|k| self.broken(&now, k).map(|sliding| (k, sliding)))
+                .filter(|k| rests[*k])
+                .find_map(|k| self.broken(state, k).map(|sliding| (k, sliding)))
             else {
-                return now;
+                return;
             };
-            now = now.renewed();
-            now.places[k].sliding = sliding;
-            now.places[k].held = sliding == 0.0;
+            state.renew();
+            state.places[k].sliding = sliding;
+            state.places[k].held = sliding == 0.0;
         }
         // Not found in more changes than there are states: the run ends as not finite, rather than with any of them.
-        now.modes.places[0] = DoubleDouble::new(R::NAN);
-        now
+        state.modes.places[0] = DoubleDouble::new(R::NAN);
     }
 
     /// With which sign a mass at rest in its gap has to slide, 0 if it has to be held, where what is said of it contradicts A; else `None`.
@@ -187,7 +182,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (k, mass, place) = self.at_hand_of(state);
         let [a, jerk, ..] = self.shaken(state, k);
         let later = impact::delay(place.rate.value, place.side * a, place.side * jerk);
-        let mut after = self.moved(state, later, &|l| l == k).renewed();
+        let mut after = self.moved(state, later, &|l| l == k);
+        after.renew();
         let distance = place.distance.plus(place.rate.value * later * 0.5);
         let (rate, sliding) = (DoubleDouble::ZERO, R::ZERO);
         let at_rest = Place { distance, rate, held: true, sliding, ..after.places[k] };
@@ -201,7 +197,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             _ if across <= 0.0 => at_wall(-place.side),
             _ => at_rest,
         };
-        (self.settled(&after), later)
+        self.settle(&mut after);
+        (after, later)
     }
 
     /// The state in which the absorber at hand slides off with this sign at the end of a ride, and how much later it is; `None` if that is
@@ -218,10 +215,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         }
         let k = self.index(state.at_hand.into());
         let later = impact::delay(value, rate, curvature);
-        let mut after = self.moved(state, later, &|l| l == k).renewed();
+        let mut after = self.moved(state, later, &|l| l == k);
+        after.renew();
         (after.places[k].held, after.places[k].sliding) = (false, off);
         after.places[k].shaken = Some(self.shaken_after(&after, k));
-        Some((self.settled(&after), later))
+        self.settle(&mut after);
+        Some((after, later))
     }
 
     /// A and its derivatives as a mass begins to slide: without more friction at rest A is 0 there without rounding.

@@ -205,7 +205,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
                 after.places[k] = self.directed(k, &after.places[k]);
             }
         }
-        let after = self.settled(&after);
+        self.settle(&mut after);
         let (k, mass, place) = self.at_hand_of(state);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
@@ -241,6 +241,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         let mut after = self.after(&stuck, &blow, None);
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
-        (self.settled(&after), blow.impulses[k].value * 0.5 * rhs[k].value)
+        self.settle(&mut after);
+        (after, blow.impulses[k].value * 0.5 * rhs[k].value)
     }
 }

@@ -5,6 +5,7 @@ use std::cell::OnceCell;
 use super::drive::Aside;
 use super::equations::Regime;
 use super::losses::{at_nodes, mean};
+use super::oscillation::{Oscillating, Oscillation};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
 use super::{Modal, ModalState, wall_of};
@@ -24,11 +25,13 @@ const NEAR: f64 = 1e-6;
 /// pressure on that wall while it is stuck.
 ///
 /// A sample of the curve holds the place of that absorber only, the rest of it is that of the begin.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
     pub(super) system: &'a Modal<H, N, M>,
-    regime: Regime<'a, H::Real, N>,
+    pub(super) regime: Regime<'a, H::Real, N>,
     pub(super) from: ModalState<H, N, M>,
+    /// That of the structure, where it moves as one.
+    pub(super) oscillation: Option<Oscillation<'a, H>>,
     /// Unit of time of the series: a power of two.
     pub(super) unit: H::Real,
     reach: H::Real,
@@ -52,13 +55,19 @@ struct Expansion<R, const N: usize> {
 }
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
-    pub(super) fn new(system: &'a Modal<H, N, M>, from: ModalState<H, N, M>) -> Self {
+    pub(super) fn new(system: &'a Modal<H, N, M>, from: &ModalState<H, N, M>) -> Self {
         let regime = system.regime(&from.places);
         let unit = R::power_of_two(system.reach);
-        let smooth = system.host.smooth_for(&from.phase);
-        let reach = if smooth <= system.reach { smooth } else { system.reach };
+        let oscillation = system.oscillating(from).map(Oscillating::motion);
+        let reach = match &oscillation {
+            Some(it) => it.reach(),
+            None => {
+                let smooth = system.host.smooth_for(&from.phase);
+                if smooth <= system.reach { smooth } else { system.reach }
+            }
+        };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
-        Self { system, regime, from, unit, reach, expansion, seen }
+        Self { system, regime, from: *from, oscillation, unit, reach, expansion, seen }
     }
 
     fn expansion(&self) -> &Expansion<R, N> {
@@ -127,11 +136,17 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// A bound on |A| of a mass.
     pub(super) fn most_shaken(&self, k: usize) -> R {
         let followed = self.system.followed(k, &self.from.places[k]);
+        if let Some(it) = &self.oscillation {
+            return it.bound(1) + followed.constant.value.abs();
+        }
         self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
     }
 
-    /// A bound on the derivative n − 1 of A of the absorber at hand.
+    /// A bound on the derivative n − 1 of A of the absorber at hand, n > 1.
     pub(super) fn fourth_of(&self, n: usize) -> R {
+        if let Some(it) = &self.oscillation {
+            return it.bound(n);
+        }
         let (k, begin) = self.begun();
         let followed = self.system.followed(k, begin);
         self.system.bound(self.derivatives(n), self.regime.stuck, followed, n, self.reach)
@@ -164,6 +179,9 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// The place of a mass at h. Its accelerations are those that its curve needs.
     #[inline(always)]
     pub(super) fn place(&self, k: usize, h: R) -> Place<R> {
+        if let Some(it) = &self.oscillation {
+            return self.oscillated(it, h, false).places[k];
+        }
         let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));
         let over = R::ONE / self.unit;
         let square = over * over;
@@ -243,11 +261,26 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn state(&self, h: R) -> Self::State {
+        if let Some(it) = &self.oscillation {
+            return self.oscillated(it, h, false);
+        }
         self.state_with(self.modal_series().modes(self.share(h), self.unit), h)
     }
 
-    /// Of one mass; several are asked one by one.
+    fn arrival(&self, h: R) -> Self::State {
+        match &self.oscillation {
+            Some(it) => self.oscillated(it, h, true),
+            None => self.state(h),
+        }
+    }
+
+    /// Of one mass; several are asked one by one. A structure alone meets no wall in any finite motion.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
+        if self.system.count == 0 {
+            let (end, later, meets) = (self.arrival(length), R::ZERO, Meets::Nothing);
+            let finite = self.system.energy(&end).is_finite();
+            return finite.then_some(FastFlight { length, later, end, meets });
+        }
         if !R::FAST_PATHS || self.begun().1.carried() {
             return None;
         }
@@ -263,6 +296,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
 
     /// Distances and rates of masses in flight are those of plain numbers.
     fn ahead(&self, h: R) -> Self::State {
+        if let Some(it) = &self.oscillation {
+            return self.oscillated(it, h, true);
+        }
         let (system, from) = (self.system, &self.from);
         let modes = self.modal_series().modes(self.share(h), self.unit);
         let mut ahead = ModalState { modes, ..*from };
@@ -292,7 +328,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn completed(&self, h: R, ahead: &Self::State) -> Self::State {
-        self.state_with(ahead.modes, h)
+        if self.oscillation.is_some() { *ahead } else { self.state_with(ahead.modes, h) }
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
@@ -304,11 +340,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        if let Some(it) = &self.oscillation {
+            return it.turns(end, length);
+        }
         let never = self.system.never_turns([&self.from, end], length);
         if never { Turns::Never } else { Turns::Unknown }
     }
 
     fn primary(&self, h: R) -> Jet<R> {
+        if let Some(it) = &self.oscillation {
+            return it.primary(h);
+        }
         let (x, t, over) = (self.x(), self.share(h), R::ONE / self.unit);
         Jet {
             value: x.derivative::<0>(t).value,
@@ -319,12 +361,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn acceleration(&self, h: R) -> R {
+        if let Some(it) = &self.oscillation {
+            return it.acceleration(h);
+        }
         self.primary(h).curvature + horner(&self.base(), self.share(h))
     }
 
     fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
         if absorber >= self.system.count {
             return None;
+        }
+        if let Some(it) = &self.oscillation {
+            return Some(it.acceleration(h));
         }
         let constant = [self.system.gravity[absorber], self.system.friction[absorber]];
         if self.system.tied[absorber].is_none() && constant == [R::ZERO; 2] {
@@ -368,11 +416,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn square(&self, ends: [R; 2]) -> R {
+        if let Some(it) = &self.oscillation {
+            return it.square(ends);
+        }
         let x = at_nodes(&self.x().row(), &self.nodes(ends));
         mean(&x, &x) * (ends[1] - ends[0])
     }
 
     fn rows(&self) -> Option<Rows<R>> {
+        if let Some(it) = &self.oscillation {
+            return it.rows();
+        }
         let (x, base) = (self.x().row(), self.base());
         let square = R::ONE / (self.unit * self.unit);
         let acceleration = std::array::from_fn(|m| {
@@ -389,6 +443,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
 
     /// The structure is that at the point that the run sees, the absorber at its own point.
     fn travel_of(&self, absorber: usize) -> Option<Travel<R>> {
+        if let Some(it) = &self.oscillation {
+            return Some(self.travel_by(it, absorber));
+        }
         let (k, rows) = (self.system.index(absorber), self.rows()?);
         let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
         let GapPoint { y, w } = place.gap(mass);
@@ -409,6 +466,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     type Sample = ModalState<H, N, M>;
 
     fn sample(&self, h: R) -> Self::Sample {
+        if let Some(it) = &self.oscillation {
+            return self.oscillated(it, h, false);
+        }
         let k = self.at_hand();
         let mut sample = self.from;
         sample.places[k] = self.place(k, h);
@@ -431,6 +491,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         let (k, begin) = self.begun();
         if begin.carried() {
             return DoubleDouble::new(self.jet(&self.sample(h)).value);
+        }
+        if let Some(it) = &self.oscillation {
+            let (pull, side) = (self.regime.pulls[k], begin.side);
+            let bent = it.precise(h) + pull.times(h).times(h).half();
+            let bent = DoubleDouble { value: side * bent.value, rest: side * bent.rest };
+            return begin.distance + begin.rate.times(h) + bent;
         }
         self.place(k, h).distance
     }

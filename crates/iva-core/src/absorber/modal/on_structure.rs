@@ -2,7 +2,7 @@
 
 use super::{Modal, ModalState};
 use crate::absorber::{OnStructure, Point};
-use crate::host::{Host, Phase};
+use crate::host::{Host, Phase, Sinusoidal};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 
@@ -66,11 +66,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
         sum
     }
 
+    const SINUSOIDAL: bool = R::FAST_PATHS;
+
+    /// A structure alone is measured as it moves.
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        let logged = self.oscillates && self.count > 0 && self.is_level();
+        self.host.sinusoidal().filter(|_| logged)
+    }
+
     /// The structure takes the impulse with the stuck masses that their walls push; the others are left behind.
     fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
         let phase = self.host.after_impulse(&state.phase);
         let kicked = ModalState { phase, ..*state };
-        let after = self.settled(&self.blown(&kicked, DoubleDouble::new(velocity)));
+        let mut after = self.blown(&kicked, DoubleDouble::new(velocity));
+        self.settle(&mut after);
         if self.count > 1 {
             return after;
         }

@@ -223,17 +223,16 @@ impl<R: Real> Series<R> {
         [second.mul_add(t, self.plain(2) * 2.0), third]
     }
 
-    /// The value and its first three derivatives with respect to t, in plain numbers.
+    /// The value and its first two derivatives with respect to t, in plain numbers.
     #[inline(always)]
-    pub(super) fn plainly(&self, t: R) -> [R; 4] {
-        let [mut value, mut rate, mut half, mut sixth] = [R::ZERO; 4];
+    pub(super) fn plainly(&self, t: R) -> [R; 3] {
+        let [mut value, mut rate, mut half] = [R::ZERO; 3];
         for m in (0..=ORDER).rev() {
-            sixth = sixth.mul_add(t, half);
             half = half.mul_add(t, rate);
             rate = rate.mul_add(t, value);
             value = value.mul_add(t, self.plain(m));
         }
-        [value, rate, half * 2.0, sixth * 6.0]
+        [value, rate, half * 2.0]
     }
 
     /// The coefficients in plain numbers.

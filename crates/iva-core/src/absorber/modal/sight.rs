@@ -51,7 +51,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
                 length,
                 #[inline(always)]
                 |h| {
-                    let [distance, rate, ..] = self.approach(k, h);
+                    let [distance, rate, _] = self.approach(k, h);
                     [distance - level, rate]
                 },
             )
@@ -70,14 +70,29 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         })
     }
 
-    /// The distance of a mass in flight from its wall with three derivatives, in plain numbers.
+    /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
     #[inline(always)]
-    pub(super) fn approach(&self, k: usize, h: R) -> [R; 4] {
-        let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
-        let [bent, gained, bend, jerk] = self.curved(k).plainly(self.share(h));
+    pub(super) fn approach(&self, k: usize, h: R) -> [R; 3] {
+        let Place { side, distance, rate, .. } = &self.from.places[k];
+        let [bent, gained, bend] = if let Some(it) = &self.oscillation {
+            let ([curved, faster, a], pull) = (it.ahead(h), self.regime.pulls[k].value);
+            [(pull * h).mul_add(h * 0.5, curved), pull.mul_add(h, faster), a + pull]
+        } else {
+            let over = R::ONE / self.unit;
+            let [bent, gained, bend] = self.curved(k).plainly(self.share(h));
+            [bent, over * gained, over * over * bend]
+        };
         let travelled = side.mul_add(bent, rate.value * h);
-        let rate = (*side * over).mul_add(gained, rate.value);
-        let square = *side * over * over;
-        [distance.value + travelled, rate, square * bend, square * over * jerk]
+        [distance.value + travelled, side.mul_add(gained, rate.value), *side * bend]
+    }
+
+    /// The third derivative of that distance.
+    pub(super) fn turned(&self, k: usize, h: R) -> R {
+        let side = self.from.places[k].side;
+        if let Some(it) = &self.oscillation {
+            return side * it.jerk(h);
+        }
+        let [_, jerk] = self.curved(k).bends(self.share(h));
+        side * jerk / (self.unit * self.unit * self.unit)
     }
 }

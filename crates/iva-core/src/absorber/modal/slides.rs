@@ -32,7 +32,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let (k, from) = (self.at_hand(), &self.from.places[self.at_hand()]);
         let along = -from.sliding * from.side;
         let [begin, end] = [R::ZERO, length].map(|h| self.approach(k, h));
-        let speeds = [begin, end].map(|[_, rate, bend, _]| [along * rate, along * bend]);
+        let speeds = [begin, end].map(|[_, rate, bend]| [along * rate, along * bend]);
         let [[speed, bend], [last, last_bend]] = speeds;
         let wide = self.magnitude() * 2.0;
         let left = |distance: R| if ahead == Side::Near { distance } else { wide - distance };
@@ -50,7 +50,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             let level = if ahead == Side::Near { R::ZERO } else { wide };
             let ends = [[begin[0], end[0]], [begin[1], end[1]]];
             let off = |h: R| {
-                let [distance, rate, ..] = self.approach(k, h);
+                let [distance, rate, _] = self.approach(k, h);
                 [distance - level, rate]
             };
             let h = meeting(ends, [begin[2], end[2]], level, length, off)?;
@@ -61,9 +61,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         if speed <= sure || last >= -sure || !falls.falls(sure * 64.0 / length) {
             return None;
         }
-        let bends = [begin[3], end[3]].map(|jerk| along * jerk);
+        let bends = [R::ZERO, length].map(|h| along * self.turned(k, h));
         let off = |h: R| {
-            let [_, rate, bend, _] = self.approach(k, h);
+            let [_, rate, bend] = self.approach(k, h);
             [along * rate, along * bend]
         };
         let ends = [[speed, last], [bend, last_bend]];

@@ -90,6 +90,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let place = Place { side, distance, rate, held, ..Place::FAR };
             state.places[k] = self.directed(k, &place);
         }
-        self.settled(&state)
+        self.settle(&mut state);
+        state
     }
 }

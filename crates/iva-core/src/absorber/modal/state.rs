@@ -2,7 +2,9 @@
 
 use super::{MOST, MOST_MODES};
 use crate::absorber::Wall;
+use crate::absorber::plain::State;
 use crate::absorber::siva::FreeMass;
+use crate::host::oscillator::Primary;
 use crate::host::{Host, Phase};
 use crate::number::compensated::{DoubleDouble, two_product, two_sum};
 use crate::number::real::Real;
@@ -55,10 +57,18 @@ impl<H: Host, const N: usize, const M: usize> Clone for ModalState<H, N, M> {
 impl<H: Host, const N: usize, const M: usize> Copy for ModalState<H, N, M> {}
 
 impl<H: Host, const N: usize, const M: usize> ModalState<H, N, M> {
-    /// The same state, after a change of what accelerates the structure.
-    pub(super) fn renewed(mut self) -> Self {
+    /// After a change of what accelerates the structure.
+    #[inline(always)]
+    pub(super) fn renew(&mut self) {
         self.places.iter_mut().for_each(|place| place.shaken = None);
-        self
+    }
+
+    /// The same state, after such a change.
+    #[inline(always)]
+    pub(super) fn renewed(&self) -> Self {
+        let mut renewed = *self;
+        renewed.renew();
+        renewed
     }
 
     /// Which way a mass that rubs goes: +1 up y, −1 down, 0 if friction holds it in its gap; at rest on a wall, the direction in which it would
@@ -116,6 +126,15 @@ impl<R: Real> Place<R> {
     #[inline(always)]
     pub(super) fn carried(&self) -> bool {
         self.stuck || self.held
+    }
+
+    /// The same in doubles, on a structure that moves as one.
+    #[inline(always)]
+    pub(super) fn in_doubles(&self, structure: &Primary<R>) -> State {
+        let Primary { x, v } = structure;
+        let [x, v, distance, rate, side] =
+            [x.value, v.value, self.distance.value, self.rate.value, self.side].map(Real::double);
+        State { x, v, distance, rate, side, ..State::default() }
     }
 
     /// Gap displacement and gap velocity.

@@ -110,7 +110,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let undecided: f64 = self.waiting.iter().enumerate().map(undecided).sum();
         // The low rebounds of all absorbers wait for the decision whether they count, not those of the one at hand alone.
         self.progress.max_impacts = self.limits.max_impacts as f64 + undecided;
-        self.tally.state = self.system.turned_to(&self.tally.state, absorber);
+        self.system.take_at_hand(&mut self.tally.state, absorber);
     }
 
     /// The sums of all absorbers, with the approach speeds of the one at hand.
@@ -172,26 +172,26 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Decides what absorbers do that start at their walls.
     pub(super) fn begin_together(&mut self) {
         for absorber in 0..self.system.absorbers() {
-            let seen = self.system.turned_to(&self.tally.state, absorber);
-            self.tally.state = self.system.freed(&seen);
+            self.system.take_at_hand(&mut self.tally.state, absorber);
+            self.tally.state = self.system.freed(&self.tally.state);
         }
-        self.tally.state = self.system.turned_to(&self.tally.state, 0);
+        self.system.take_at_hand(&mut self.tally.state, 0);
         self.settle();
         self.coast();
     }
 
     /// One stretch of motion, ended by its length, the first event of an absorber, or the end of the run.
     pub(super) fn move_together(&mut self, remaining: R) -> bool {
-        let (system, state) = (self.system, self.tally.state);
-        if (0..system.absorbers()).any(|absorber| self.strikes(absorber, &state)) {
+        let system = self.system;
+        if (0..system.absorbers()).any(|absorber| self.strikes(absorber, &self.tally.state)) {
             // As a stretch of no length, so that a run of impacts at one instant has an end.
             self.progress.counts.work += 1.0;
             self.strike_all();
             return true;
         }
         let remaining = self.coasted_first(remaining);
-        let state = self.tally.state;
-        let mut flight = system.flight(&state);
+        let at_hand = system.at_hand(&self.tally.state);
+        let mut flight = system.flight(&self.tally.state);
         let length = flight.reach().min(self.progress.ahead());
         let reached = R::FAST_PATHS.then(|| flight.ahead(length));
         let clears = |flight: &S::Flight<'_>| {
@@ -211,11 +211,10 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 }
                 continue;
             }
-            let from = system.turned_to(&state, absorber);
-            if !is_finite(&flight.jet(&from), flight.fourth()) {
+            if !is_finite(&flight.jet(flight.origin()), flight.fourth()) {
                 return false;
             }
-            let Some(first) = self.first_event(&flight, &from, end) else { return false };
+            let Some(first) = self.first_event(&flight, end) else { return false };
             undecided += first.undecided;
             if let Some(ending) = first.ending {
                 (end, met) = (first.at, Some((absorber, ending)));
@@ -229,21 +228,21 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 if clears(&flight) {
                     continue;
                 }
-                let from = system.turned_to(&state, absorber);
-                let first = self.first_event(&flight, &from, end);
+                let first = self.first_event(&flight, end);
                 undecided += first.map_or(0, |first| first.undecided);
             }
         }
         self.tally.undecided += undecided;
-        let arrived = match reached.as_ref().filter(|_| met.is_none()) {
+        let mut arrived = match reached.as_ref().filter(|_| met.is_none()) {
             Some(ahead) => flight.completed(end, ahead),
             None => flight.arrival(end),
         };
-        let absorber = met.map_or(system.at_hand(&state), |(absorber, _)| absorber);
+        let absorber = met.map_or(at_hand, |(absorber, _)| absorber);
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
-        self.advance_to(&flight, end, system.turned_to(&arrived, absorber), length == remaining);
-        self.rub(&state, end);
+        system.take_at_hand(&mut arrived, absorber);
+        self.advance_to(&flight, end, &arrived, length == remaining);
+        self.rub(flight.origin(), end);
         let Some((_, ending)) = met else {
             self.coast_after();
             return true;
@@ -256,7 +255,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 self.settle();
             }
             Ending::Slip(direction) => {
-                let ride = system.ride(&system.turned_to(&state, absorber));
+                let ride = system.ride(flight.origin());
                 if !self.slip(&ride, end, direction) {
                     return false;
                 }
@@ -267,8 +266,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// The first event of the absorber at hand within a length; `None` if its bounds are not finite.
-    fn first_event(&self, flight: &S::Flight<'a>, from: &S::State, length: R) -> Option<First<R>> {
-        let system = self.system;
+    fn first_event(&self, flight: &S::Flight<'a>, length: R) -> Option<First<R>> {
+        let (system, from) = (self.system, flight.origin());
         let of = |stretch: &Stretch<S::State, R>, ending: Option<Ending<R>>| First {
             ending,
             at: stretch.end.h,
@@ -297,19 +296,20 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     /// The impacts of all absorbers that touch their walls and approach them, and what follows.
     pub(super) fn strike_all(&mut self) {
-        let before = self.tally.state;
+        let mut before = self.tally.state;
         for absorber in 0..self.system.absorbers() {
             if self.strikes(absorber, &before) {
+                self.system.take_at_hand(&mut before, absorber);
                 self.strike_by(absorber, &before);
             }
         }
         self.settle();
     }
 
-    /// The impact of one absorber from a state in contact.
+    /// The impact of one absorber from a state in contact, in which it is at hand.
     fn strike_by(&mut self, absorber: usize, before: &S::State) {
         self.turn_to(absorber);
-        let impact = self.strike(&self.system.turned_to(before, absorber));
+        let impact = self.strike(before);
         let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
         let impulse = gained.abs() * self.system.mass_ratio_of(absorber);
         self.waiting[absorber].impulse = R::larger(self.waiting[absorber].impulse, impulse);
