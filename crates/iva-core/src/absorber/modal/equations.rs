@@ -388,7 +388,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return *state;
         }
         if let Some(it) = self.oscillating(state) {
-            let mut moved = state.renewed();
+            let mut moved = *state;
+            moved.renew();
             Self::soon(&it, &mut moved, time);
             for (k, place) in moved.places[..self.count].iter_mut().enumerate() {
                 if !chosen(k) {

@@ -124,7 +124,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         blow: &Blow<R, N>,
         outside: Option<DoubleDouble<R>>,
     ) -> ModalState<H, N, M> {
-        let mut after = state.renewed();
+        let mut after = *state;
+        after.renew();
         for k in 0..self.count {
             let place = &mut after.places[k];
             place.stuck &= blow.carried[k];

@@ -252,14 +252,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let primary = Primary { x: state.modes.places[0], v: state.modes.velocities[0] };
         let (by, time) = (steps.responses(count), steps.time(count as f64));
         let (to, _) = steps.after(&primary, by);
-        let mut after = state.renewed();
+        let mut coasted = (*state, time);
+        let after = &mut coasted.0;
+        after.renew();
         after.phase = self.host.waited(&state.phase, time);
         (after.modes.places[0], after.modes.velocities[0]) = (to.x, to.v);
         for place in &mut after.places[..self.count] {
             [place.distance, place.rate] =
                 coasts::drifted([&primary, &to], place.side, [place.distance, place.rate], time);
         }
-        (after, time)
+        coasted
     }
 
     /// The masses in a motion of a decay that is logged.
@@ -293,10 +295,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         if ends {
             structure.refresh(&mut to);
         }
-        let (system, mut places) = (self.system, self.from.places);
+        let (system, at_hand) = (self.system, self.from.at_hand);
+        let mut modes = Modes::REST;
+        modes.places[0] = to.primary.x + *middle;
+        modes.velocities[0] = to.primary.v;
+        let mut after = ModalState { modes, places: self.from.places, phase: to.phase, at_hand };
         let [a, jerk, snap, crackle] = Oscillating::<H>::derivatives(structure, &to);
-        for (k, place) in places[..system.count].iter_mut().enumerate() {
-            let (pull, side) = (system.pull(k, place), place.side);
+        for (k, place) in after.places[..system.count].iter_mut().enumerate() {
+            let (pull, side) = (self.regime.pulls[k], place.side);
             let felt = if pull.value == 0.0 { a } else { (to.acceleration + pull).value };
             place.shaken = Some([felt, jerk, snap, crackle]);
             if place.carried() {
@@ -314,10 +320,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             place.distance = place.distance.plus_both(place.rate.times(h), curved);
             place.rate = place.rate + faster;
         }
-        let mut modes = Modes::REST;
-        modes.places[0] = to.primary.x + *middle;
-        modes.velocities[0] = to.primary.v;
-        ModalState { modes, places, phase: to.phase, at_hand: self.from.at_hand }
+        after
     }
 
     /// The energy lost and the work done in a motion of length h. That on a moving base is done on the structure, and on each mass.

@@ -61,6 +61,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
 
     /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
     fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
+        if self.oscillation.is_some() {
+            // It is a difference to twice the precision.
+            return self.magnitude();
+        }
         let shape = self.system.gap_shape(k).iter().enumerate();
         shape.fold(self.magnitude(), |size, (j, phi)| {
             let of = |Modes { places, velocities }: &Modes<R, M>| {
