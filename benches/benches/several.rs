@@ -8,8 +8,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use iva_core::absorber::mixed::{Mixed, MixedStart, OneOf};
-use iva_core::absorber::modal::{Modal, ModalStart, ModalStructure, Tie};
-use iva_core::absorber::several::{Several, Starts};
+use iva_core::absorber::modal::{MOST, Modal, ModalStart, ModalStructure, PRIMARY, Tie};
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::error::Invalid;
 use iva_core::flight::GapPoint;
@@ -63,11 +62,11 @@ fn all(criterion: &mut Criterion) -> Result<(), Invalid> {
     run(criterion, ("decay", 1), &one, &start)?;
     run(criterion, ("driven", 1), &one.under(push()?), &start)?;
     for count in [2, 5, 8] {
-        let system = Several::of(DAMPING_RATIO, &masses(count)?)?;
-        let rest = GapPoint { y: 0.0, w: 0.0 };
-        let start = Starts::of(Point { x: 1.0, v: 0.0 }, &vec![rest; count]);
+        let masses: Vec<_> = masses(count)?.into_iter().map(|mass| (mass, PRIMARY)).collect();
+        let system = Modal::of(ModalStructure::moving_as_one(DAMPING_RATIO)?, &masses)?;
+        let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; MOST])?;
         run(criterion, ("decay", count), &system, &start)?;
-        run(criterion, ("driven", count), &system.under(push()?), &start)?;
+        run(criterion, ("driven", count), &system.under(push()?, PRIMARY)?, &start)?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
-//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`several`], a list of
-//! free masses, each in a gap of its own; [`mixed`], a list of free masses and pendulums; [`modal`], free masses on a structure with
-//! several modes, with springs, dashpots, gravity and friction of each.
+//! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`modal`], free
+//! masses, each in a gap of its own at a point of a structure of any number of modes, with springs, dashpots, gravity and friction of each;
+//! [`mixed`], a list of free masses and pendulums.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.
@@ -22,7 +22,6 @@ pub mod piva;
 pub(crate) mod plain;
 pub mod restitution;
 pub mod ride;
-pub mod several;
 pub mod siva;
 
 use crate::absorber::chatter::Back;

@@ -24,7 +24,6 @@ use nalgebra::Matrix4;
 
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
-use crate::absorber::several::Alone;
 use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run, Tally};
@@ -273,7 +272,6 @@ pub fn iterate<S: Iterated>(
 }
 
 impl Iterated for Siva {}
-impl Iterated for Alone<DrivenHost> {}
 
 impl Iterated for Siva<DrivenHost> {
     fn key(trajectory: &Trajectory<Self>, _request: &Request<'_>) -> Option<[u64; 2]> {

@@ -5,8 +5,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use iva_core::absorber::modal;
 use iva_core::absorber::restitution::LARGEST_PART;
-use iva_core::absorber::several;
 use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
 use iva_core::simulate::Limits;
@@ -149,7 +149,7 @@ impl Allowed {
                 (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
             }
             Allowed::Exponent => quotient(value).is_some(),
-            Allowed::Units => (1.0..=several::MOST as f64).contains(&value) && value.fract() == 0.0,
+            Allowed::Units => (1.0..=modal::MOST as f64).contains(&value) && value.fract() == 0.0,
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
             Allowed::Inclination => (0.0..=FRAC_PI_2).contains(&value),

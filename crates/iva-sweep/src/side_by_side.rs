@@ -42,18 +42,6 @@ pub(crate) fn run(
             Scene::DrivenPiva(it) => Some(&**it),
             _ => None,
         })?;
-        part.run(extremes, |scene| match scene {
-            Scene::Several(it) => Some(&**it),
-            _ => None,
-        })?;
-        part.run(extremes, |scene| match scene {
-            Scene::DrivenSeveral(it) => Some(&**it),
-            _ => None,
-        })?;
-        part.run(extremes, |scene| match scene {
-            Scene::Alone(it) => Some(it),
-            _ => None,
-        })?;
     }
     Ok(part.ended)
 }

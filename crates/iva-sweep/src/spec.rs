@@ -12,7 +12,7 @@ use crate::restitution_table::{NAME, RestitutionTable};
 use crate::slot::Slot;
 use crate::structure::Structure;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
-use iva_core::absorber::several;
+use iva_core::absorber::modal;
 
 /// The fields of one run as given; all others have defaults or follow from them.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ impl AbsorberSpec {
 }
 
 /// Largest number of absorbers.
-pub const MOST_ABSORBERS: usize = several::MOST;
+pub const MOST_ABSORBERS: usize = modal::MOST;
 
 impl Default for Spec {
     fn default() -> Self {

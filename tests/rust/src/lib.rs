@@ -10,6 +10,7 @@ pub mod dd;
 pub mod driven;
 pub mod flight;
 pub mod laws;
+pub mod list;
 pub mod mixed_list;
 pub mod modal;
 pub mod naive;

@@ -12,8 +12,8 @@
 //! * **Chatter** is not summed, as no bound is known on how the others shake the structure during it: impacts are computed
 //!   one by one, until the rest of the chatter is shorter than rounding of the clock.
 
+use crate::absorber::modal::{AT_ONCE_ULPS, MOST};
 use crate::absorber::piva::{self, Piva, PivaState, Stops};
-use crate::absorber::several::{AT_ONCE_ULPS, MOST};
 use crate::absorber::siva::FreeMass;
 use crate::absorber::{Absorber as _, Wall};
 use crate::error::{Invalid, number};

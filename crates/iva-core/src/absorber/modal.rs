@@ -17,7 +17,8 @@
 //! | Rₖ, Rₛₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ; the largest at rest | [`Modal::with_friction`], [`Modal::with_static_friction`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
-//! the unit 1, and one mode with ω = 1 and φ = 1 is the structure of [`crate::absorber::several`].
+//! the unit 1. A structure that moves as one has one mode with ω = 1 and φ = 1 ([`ModalStructure::moving_as_one`]); its
+//! motion is that of one oscillator (`modal/oscillation.rs`).
 //!
 //! **Gravity** acts like a drive that is 1 at all times (`modal/equations.rs`). Displacements are measured from where the structure rests under
 //! the weight of all masses, so that each lifts its point by the constant μ G.
@@ -104,8 +105,11 @@ pub const FEW: usize = 4;
 /// Few masses on a structure of few modes: every step copies the whole state, which is a quarter of that of [`Modal`] as it stands.
 pub type FewModes<H> = Modal<H, FEW, FEW>;
 
+/// The name of the only point of a structure that moves as one.
+pub const PRIMARY: &str = "primary";
+
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
-const AT_ONCE_ULPS: f64 = 8.0;
+pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
 
 /// The event loop takes the work of an impulse from the velocity of the point that it sees.
 const KICKED: &str = "impulses act at the point that a run sees: let both be the same";

@@ -3,7 +3,6 @@
 use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
-use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
 use crate::host::Host;
 use crate::measures::propagation::{ByLists, ByTangents, Estimated};
@@ -14,14 +13,6 @@ impl<H: Host<Real = f64>> Estimated for Siva<H> {
 
 impl<H: Host<Real = f64>> Estimated for Piva<H> {
     type Way = ByTangents;
-}
-
-impl<H: Host<Real = f64>> Estimated for Alone<H> {
-    type Way = ByTangents;
-}
-
-impl<H: Host<Real = f64>> Estimated for Several<H> {
-    type Way = ByLists;
 }
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Estimated for Modal<H, N, M> {

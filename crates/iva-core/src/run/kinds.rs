@@ -11,7 +11,6 @@ use super::side_by_side::{Job, LANES, Listing, Logged, SideBySide, TakeListed, T
 use crate::absorber::OnStructure;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
-use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
 use crate::error::Invalid;
 use crate::force::Force;
@@ -85,18 +84,6 @@ impl SideBySide for Siva {
     fn run(group: Group<'_, Self>) {
         group.run::<Decays<ExactDecays, WIDE>>();
     }
-}
-
-impl SideBySide for Alone<DrivenHost> {
-    run_jobs!();
-}
-
-impl SideBySide for Several<UndrivenHost> {
-    run_jobs!();
-}
-
-impl SideBySide for Several<DrivenHost> {
-    run_jobs!();
 }
 
 impl SideBySide for Siva<DrivenHost> {

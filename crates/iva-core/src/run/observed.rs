@@ -10,7 +10,6 @@ use crate::absorber::Absorber;
 use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::{FewModes, Modal};
 use crate::absorber::piva::Piva;
-use crate::absorber::several::{Alone, Several};
 use crate::absorber::siva::Siva;
 use crate::engine::observe::Events;
 use crate::engine::simulate::{Limits, Tally, simulate_from};
@@ -74,10 +73,7 @@ observed! {
     Siva<DrivenHost>,
     Piva<UndrivenHost>,
     Piva<DrivenHost>,
-    Several<UndrivenHost>,
-    Several<DrivenHost>,
     Mixed<DrivenHost>,
     Modal<DrivenHost>,
     FewModes<DrivenHost>,
-    Alone<DrivenHost>,
 }

@@ -15,13 +15,11 @@ use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
 use super::scene::{EVERY_SCENE, Mounted, Scene};
-use super::several;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
-use iva_core::absorber::several::Alone;
-use iva_core::absorber::{Absorber, Point, Start};
+use iva_core::absorber::{Absorber, Start};
 use iva_core::force::Force;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
@@ -185,7 +183,7 @@ impl<R: Real> Given<'_, R> {
             if mixed::is_list_with_pendulum(self.spec) {
                 return mixed::scene(self, start, force, scale, units);
             }
-            return several::scene(self, start, force, scale, units);
+            return modal::on_primary(self, start, force, scale, units);
         }
         match self.spec.choices().kind {
             Kind::Siva => {
@@ -244,12 +242,7 @@ impl<R: Real> Given<'_, R> {
                     Ok(Scene::DrivenPiva(Box::new(Mounted { system, start, gravity })))
                 }
             }
-            Kind::None => {
-                let system = Alone::new(self.damping_ratio(scale, units)?, [])?.under(force);
-                let start = Point { x: start.displacement, v: start.velocity }.into();
-                system.check_start(&start)?;
-                Ok(Scene::Alone(Mounted { system, start, gravity: None }))
-            }
+            Kind::None => modal::on_primary(self, start, force, scale, units),
         }
     }
 

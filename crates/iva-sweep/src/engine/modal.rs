@@ -2,7 +2,7 @@
 
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
-use iva_core::absorber::modal::{FEW, Modal, ModalStart, ModalStructure, Tie};
+use iva_core::absorber::modal::{FEW, Modal, ModalStart, ModalStructure, PRIMARY, Tie};
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
 use iva_core::host::DrivenHost;
@@ -14,7 +14,7 @@ use super::given::Given;
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
 use super::several;
-use super::ties::{self, PRIMARY};
+use super::ties;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::{FieldId, Part};
@@ -44,12 +44,8 @@ pub(super) fn scene<R: Real>(
     let omega = structure.natural_frequency();
     let (modes, seen) = structure.seen_of(structure.modes::<R>(omega)?)?;
     let absorbers = given.spec.count();
-    let riding = if given.spec.choices().kind == Kind::None {
-        Riding::none()
-    } else {
-        let at = |absorber| structure.absorber_at(absorber, absorbers);
-        Riding::all(given, scale, UnitSystem::Si, at)?
-    };
+    let at = |absorber| structure.absorber_at(absorber, absorbers);
+    let riding = Riding::all(given, scale, UnitSystem::Si, at)?;
     if let Some(mode) = structure.seen_mode().filter(|_| force.impulses().next().is_some()) {
         let rule = "with impulses a run sees all of the motion of its point; leave it out";
         return Err(Invalid::new(path("seen_mode"), mode.to_string(), rule));
@@ -74,7 +70,7 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     })
 }
 
-/// The scene of such absorbers.
+/// The scene of all absorbers of a list, or of none, on a structure that moves as one.
 ///
 /// # Errors
 /// [`Invalid`] as of several absorbers, and for a law of restitution.
@@ -85,7 +81,7 @@ pub(super) fn on_primary<R: Real>(
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<Scene<R>, Invalid> {
-    let modes = ties::primary(given.damping_ratio(scale, units)?)?;
+    let modes = ModalStructure::moving_as_one(given.damping_ratio(scale, units)?)?;
     let riding = Riding::all(given, scale, units, |_| Ok(PRIMARY))?;
     let begin = [vec![start.displacement], vec![start.velocity]];
     mounted(given, modes, riding, begin, [PRIMARY; 2], force)
@@ -117,7 +113,7 @@ impl<'a, R: Real> Riding<'a, R> {
         }
     }
 
-    /// All units of all absorbers of a list.
+    /// All units of all absorbers of a list; none of a structure alone.
     fn all(
         given: &Given<'_, R>,
         scale: &Scale<R>,
@@ -125,6 +121,9 @@ impl<'a, R: Real> Riding<'a, R> {
         at: impl Fn(usize) -> Result<&'a str, Invalid>,
     ) -> Result<Self, Invalid> {
         let mut all = Self::none();
+        if given.spec.choices().kind == Kind::None {
+            return Ok(all);
+        }
         let mut gravities = vec![];
         several::each(given, scale, units, |absorber, mass, gap, weight| {
             let share = 1.0 / given.spec.units_of(absorber) as f64;

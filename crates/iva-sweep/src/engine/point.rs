@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal};
-use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
@@ -282,12 +281,9 @@ macro_rules! observes_any {
 observes_any! {
     Siva<UndrivenHost<R>>,
     Siva<DrivenHost<R>>,
-    Several<UndrivenHost<R>>,
-    Several<DrivenHost<R>>,
     Mixed<DrivenHost<R>>,
     Modal<DrivenHost<R>>,
     FewModes<DrivenHost<R>>,
-    Alone<DrivenHost<R>>,
     Piva<UndrivenHost<R>>,
     Piva<DrivenHost<R>>,
 }

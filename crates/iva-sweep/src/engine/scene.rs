@@ -2,7 +2,6 @@
 
 use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal, ModalStructure, Tie};
-use iva_core::absorber::several::{Alone, Several};
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 pub use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::host::{DrivenHost, Excitation, Host, UndrivenHost};
@@ -34,18 +33,12 @@ pub enum Scene<R: Real = f64> {
     Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
     /// A pendulum under force.
     DrivenPiva(Box<Mounted<Piva<DrivenHost<R>>>>),
-    /// Several free masses in free decay.
-    Several(Box<Mounted<Several<UndrivenHost<R>>>>),
-    /// Several free masses under force.
-    DrivenSeveral(Box<Mounted<Several<DrivenHost<R>>>>),
     /// Free masses and pendulums on one structure, under force or in free decay.
     Mixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
-    /// Free masses on a structure with several modes, or tied to their points, or that rub, or with weight in a list; under force or in free decay.
+    /// Free masses on a structure, several, or on several modes, or tied to their points, or that rub; or none. Under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// The same with few masses and modes, in doubles.
     FewModes(Box<Mounted<FewModes<DrivenHost<R>>>>),
-    /// A structure without absorber, under force or in free decay.
-    Alone(Mounted<Alone<DrivenHost<R>>>),
 }
 
 /// Whether several absorbers, structures with several modes and friction are simulated as well: a program without sweeps
@@ -61,12 +54,9 @@ macro_rules! with_system {
             Scene::DrivenSiva($mounted) => $body,
             Scene::Piva($mounted) if Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenPiva($mounted) => $body,
-            Scene::Several($mounted) if EVERY_SCENE && Scene::<R>::UNDRIVEN => $body,
-            Scene::DrivenSeveral($mounted) if EVERY_SCENE => $body,
             Scene::Mixed($mounted) if EVERY_SCENE => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
-            Scene::FewModes($mounted) if EVERY_SCENE && R::FAST_PATHS => $body,
-            Scene::Alone($mounted) => $body,
+            Scene::FewModes($mounted) if R::FAST_PATHS => $body,
             _ => unreachable!("scenes of this kind are not built"),
         }
     }};

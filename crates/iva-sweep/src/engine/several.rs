@@ -1,9 +1,6 @@
-//! A scene of several free masses on one structure, and what lists of any absorbers have in common.
+//! What lists of any absorbers have in common.
 
-use iva_core::absorber::several::{Several, Starts};
-use iva_core::absorber::{Absorber as _, Point, Start};
 use iva_core::flight::GapPoint;
-use iva_core::force::Force;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
@@ -12,41 +9,11 @@ use super::given::Given;
 use super::pendulum::Common;
 use super::restitution;
 use super::scale::Scale;
-use super::scene::{Mounted, Scene};
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::{FieldId, Part};
 use crate::spec::MOST_ABSORBERS;
 use crate::units::UnitSystem;
-
-/// The scene of all absorbers of a list, with all units of each.
-///
-/// # Errors
-/// [`Invalid`] for an absorber that a list does not take, too many units, a field out of range, and a start outside of
-/// its gap.
-pub(super) fn scene<R: Real>(
-    given: &Given<'_, R>,
-    start: Start<R>,
-    force: Force<R>,
-    scale: &Scale<R>,
-    units: UnitSystem,
-) -> Result<Scene<R>, Invalid> {
-    let (mut masses, mut gaps) = (Vec::new(), Vec::new());
-    each(given, scale, units, |_, mass, gap, _| {
-        masses.push(mass);
-        gaps.push(gap);
-        Ok(())
-    })?;
-    let start = Starts::of(Point { x: start.displacement, v: start.velocity }, &gaps);
-    let system = Several::of(given.damping_ratio(scale, units)?, &masses)?;
-    system.check_start(&start).map_err(|error| of_owner(given, error))?;
-    let gravity = None;
-    if Scene::undriven(&force) {
-        return Ok(Scene::Several(Box::new(Mounted { system, start, gravity })));
-    }
-    let system = system.under(force);
-    Ok(Scene::DrivenSeveral(Box::new(Mounted { system, start, gravity })))
-}
 
 /// All units of all absorbers of a list: the number of the absorber, the unit, its place in its gap, and its weight.
 ///

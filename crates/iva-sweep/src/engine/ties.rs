@@ -3,7 +3,7 @@
 //! A mass that has one is a coordinate of the structure (`absorber/modal/ties.rs` of the core), so a structure that moves
 //! as one is run as one of a single mode.
 
-use iva_core::absorber::modal::{ModalStructure, Tie};
+use iva_core::absorber::modal::Tie;
 use iva_core::range;
 use iva_core::real::Real;
 
@@ -17,9 +17,6 @@ use crate::units::UnitSystem;
 /// The fields that tell a spring, and those that tell a dashpot.
 const FIELDS: [[FieldId; 2]; 2] =
     [[FieldId::Spring, FieldId::SpringRatio], [FieldId::GapDamping, FieldId::GapDampingRatio]];
-/// The name of the only point of a structure that moves as one.
-pub(super) const PRIMARY: &str = "primary";
-
 /// What ties the mass of an absorber to the structure, of all its units together, from the mass ratio of all.
 ///
 /// # Errors
@@ -69,13 +66,4 @@ pub(crate) fn given<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
             Some((own.path(*field), of.filter(|value| *value != 0.0)?))
         })
     })
-}
-
-/// The structure that moves as one.
-///
-/// # Errors
-/// [`Invalid`] for a damping ratio out of range.
-pub(super) fn primary<R: Real>(damping_ratio: R) -> Result<ModalStructure<R>, Invalid> {
-    let one = [R::ONE];
-    ModalStructure::new(&one, &[damping_ratio])?.with_point(PRIMARY, &one)?.with_base(&one)
 }

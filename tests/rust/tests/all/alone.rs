@@ -4,7 +4,6 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
-    absorber::several::Alone,
     absorber::{OnStructure, Point},
     force::{Acts, Force, Harmonic},
     propagation::Errors,
@@ -13,6 +12,7 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     steady::{Steady, SteadyWanted, Window},
 };
+use iva_tests::list::{begun, driven, list};
 
 /// x and ẋ of ẍ + 2ζẋ + x = 0 from (1, 0), for ζ below, at and above 1.
 fn decay(zeta: f64, t: f64) -> [f64; 2] {
@@ -33,9 +33,9 @@ fn decay(zeta: f64, t: f64) -> [f64; 2] {
 #[test]
 fn a_structure_alone_decays_as_it_must() {
     for zeta in [0.0, 0.01, 0.3, 0.99, 1.0, 1.2] {
-        let alone = Alone::new(zeta, []).unwrap();
+        let alone = list(zeta, &[]);
         let limits = Limits::new(40.0, 1.0);
-        let start = Point { x: 1.0, v: 0.0 }.into();
+        let start = begun(Point { x: 1.0, v: 0.0 }, &[]);
         let times: Vec<f64> = (0..=400).map(|k| 0.1 * f64::from(k)).collect();
         for state in states(&alone, &start, &limits, &times).unwrap() {
             let [x, v] = decay(zeta, state.time);
@@ -60,9 +60,9 @@ fn a_structure_alone_decays_as_it_must() {
 fn its_derivative_is_its_own_motion() {
     let zeta = 0.1;
     let push = Harmonic { amplitude: 0.4, frequency: 0.7, phase: 0.2, acts: Acts::Primary };
-    let driven = Alone::new(zeta, []).unwrap().under(Force::harmonic(vec![push]).unwrap());
+    let driven = driven(&list(zeta, &[]), Force::harmonic(vec![push]).unwrap());
     let mut errors = Errors::default();
-    let start = Point { x: 0.3, v: 0.2 }.into();
+    let start = begun(Point { x: 0.3, v: 0.2 }, &[]);
     simulate(&driven, &start, &Limits::new(9.0, 1.0), None, &mut errors).unwrap();
     let found = *errors.derivative().unwrap();
     let [x, v] = decay(zeta, 9.0);
@@ -79,12 +79,13 @@ fn under_a_harmonic_force_it_settles_to_its_response() {
     for (zeta, frequency) in [(0.05, 0.6), (0.05, 1.0), (0.2, 1.7), (1.1, 0.9)] {
         let harmonic = Harmonic { amplitude: 0.4, frequency, phase: 0.7, acts: Acts::Primary };
         let force = Force::harmonic(vec![harmonic]).unwrap();
-        let alone = Alone::new(zeta, []).unwrap().under(force);
+        let alone = driven(&list(zeta, &[]), force);
         let cycle = TAU / frequency;
         let limits = Limits::new(150.0 * cycle, 1.0);
         let window = Window { from: 140.0 * cycle, cycle: Some(harmonic) };
         let mut steady = Steady::new(window, SteadyWanted { regime: true, ..SteadyWanted::ALL });
-        simulate(&alone, &Point { x: 0.0, v: 0.0 }.into(), &limits, None, &mut steady).unwrap();
+        simulate(&alone, &begun(Point { x: 0.0, v: 0.0 }, &[]), &limits, None, &mut steady)
+            .unwrap();
         let values = steady.values();
         let truth = harmonic.response(zeta);
         let amplitude = values.amplitude_max.unwrap();
@@ -108,8 +109,8 @@ fn a_driven_structure_is_exact_to_rounding() {
         };
         let force =
             Force::harmonic(vec![harmonic(Acts::Primary, 0.8), harmonic(Acts::Base, 2.3)]).unwrap();
-        let alone = Alone::new(n(0.03), []).unwrap().under(force);
-        let start = Point { x: n(1.0), v: n(0.0) }.into();
+        let alone = driven(&list(n(0.03), &[]), force);
+        let start = begun(Point { x: n(1.0), v: n(0.0) }, &[]);
         let limits = Limits::new(n(100.0), n(1.0));
         let tally = simulate(&alone, &start, &limits, None, &mut ()).unwrap();
         alone.primary(&tally.state)

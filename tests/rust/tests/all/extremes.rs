@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use iva_core::{
-    absorber::several::Alone,
     absorber::{Absorber, Start},
     extremes::{ExtremeValues, Extremes},
     force::{Acts, Force, Harmonic, History, Record},
@@ -18,6 +17,7 @@ use iva_core::{
     siva::Siva,
     steady::{Steady, SteadyWanted, Window},
 };
+use iva_tests::list::{begun, driven, list};
 use iva_tests::{U, rng::Rng};
 
 fn extremes<S: Absorber<Real = f64>>(system: &S, start: &S::Start, duration: f64) -> ExtremeValues {
@@ -80,13 +80,13 @@ fn between_both_walls_the_stroke_is_the_play() {
 fn without_absorber_there_is_an_acceleration() {
     // Released from x = 1 without damping: |ẍ| = 1 at the start. After a step a of the base acceleration
     // |A| = |x| reaches 2a.
-    let alone = Alone::new(0.0, []).unwrap();
-    let found = extremes(&alone, &iva_core::absorber::Point { x: 1.0, v: 0.0 }.into(), 10.0);
+    let alone = list(0.0, &[]);
+    let found = extremes(&alone, &begun(iva_core::absorber::Point { x: 1.0, v: 0.0 }, &[]), 10.0);
     assert!((found.acceleration.unwrap() - 1.0).abs() <= 4.0 * U);
     let base = History::new(vec![0.0, 40.0], vec![0.25, 0.25]).unwrap();
     let base = Record { history: Arc::new(base), scale: 1.0, rate: 1.0, acts: Acts::Base };
-    let shaken = alone.under(Force::new(Vec::new(), vec![base], &[]).unwrap());
-    let found = extremes(&shaken, &iva_core::absorber::Point { x: 0.0, v: 0.0 }.into(), 10.0);
+    let shaken = driven(&alone, Force::new(Vec::new(), vec![base], &[]).unwrap());
+    let found = extremes(&shaken, &begun(iva_core::absorber::Point { x: 0.0, v: 0.0 }, &[]), 10.0);
     assert!((found.acceleration.unwrap() - 0.5).abs() <= 8.0 * U, "{found:?}");
 }
 

@@ -7,7 +7,6 @@
 
 use iva_core::{
     absorber::mixed::{Mixed, OneOf, Posed},
-    absorber::several::{Several, Starts},
     absorber::{Absorber, ImpactLaw, OnStructure, Point},
     error::Invalid,
     flight::GapPoint,
@@ -19,6 +18,7 @@ use iva_core::{
     run::{Run, run},
     simulate::{Outcome, resume, simulate},
 };
+use iva_tests::list::{self, driven, list};
 use iva_tests::mixed_list::{Any, any, any_list, limits, mass, mixed, piva, placed, push, start};
 use iva_tests::rng::Rng;
 
@@ -129,20 +129,20 @@ fn a_list_of_masses_is_that_of_closed_form() {
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let zeta = rng.range(0.0, 0.1);
         let system: Mixed<UndrivenHost<Twofold>> = mixed(&all, zeta);
-        let closed = Several::new(Twofold::from(zeta), all.map(|any| mass(&any))).unwrap();
+        let closed = list(Twofold::from(zeta), &all.map(|any| mass(&any)));
         let begun = start::<Twofold>(at, &all);
         let gaps = all.map(|any| {
             let [y, w] = placed(&any);
             GapPoint { y, w }
         });
-        let of_closed = Starts { primary: begun.primary, gaps };
+        let of_closed = list::begun(begun.primary, &gaps);
         let limits = limits::<Twofold>(12.0);
         let acts = if k % 4 == 0 { Acts::Base } else { Acts::Primary };
         let force = || push::<Twofold>(0.4, 0.9, acts);
         let [a, b] = if k % 2 == 0 {
             [
                 told(run(&system.under(force()), &begun, &limits)),
-                told(run(&closed.under(force()), &of_closed, &limits)),
+                told(run(&driven(&closed, force()), &of_closed, &limits)),
             ]
         } else {
             [told(run(&system, &begun, &limits)), told(run(&closed, &of_closed, &limits))]

@@ -6,8 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
-    absorber::modal::{Modal, ModalStart, ModalStructure},
-    absorber::several::{Several, Starts},
+    absorber::modal::{Modal, ModalStart, ModalStructure, PRIMARY},
     absorber::{Absorber, OnStructure, Point, Start},
     force::{Acts, Force, Harmonic, Impulse},
     real::{Real, twofold::Twofold},
@@ -15,6 +14,7 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::{FreeMass, Siva},
 };
+use iva_tests::list::{begun, driven, list};
 use iva_tests::modal::{
     Mass, POINTS, Row, any_mass, any_start, any_structure, built, furthest, gaps, instants, limits,
     push, rows, told,
@@ -31,8 +31,8 @@ fn one_mode_is_the_structure_of_old() {
         let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
         let (x, v, zeta) = (rng.range(0.3, 2.0), rng.range(-1.0, 1.0), rng.range(0.0, 0.1));
         let n = Twofold::from;
-        let several = Several::new(n(zeta), masses.map(built)).unwrap();
-        let start = Starts { primary: Point { x: n(x), v: n(v) }, gaps: gaps(&masses) };
+        let several = list(n(zeta), &masses.map(built));
+        let start = begun(Point { x: n(x), v: n(v) }, &gaps::<Twofold, 2>(&masses));
         let mode = ModalStructure::new(&[n(2.0)], &[n(zeta)]).unwrap();
         let mode = mode.with_point("top", &[n(0.5)]).unwrap().with_base(&[n(2.0)]).unwrap();
         let heavy = masses.map(|[mu, rest @ .., w]| {
@@ -52,7 +52,7 @@ fn one_mode_is_the_structure_of_old() {
         } else {
             // A force f/M in ωn² × length is 4 · 4 times as large on mass 4, an acceleration 4 times.
             let size = if acts == Acts::Base { 4.0 } else { 16.0 };
-            let old = several.under(push(0.4, 0.9, acts));
+            let old = driven(&several, push(0.4, 0.9, acts));
             let new = modal.under(push(0.4 * size, 1.8, acts), "top").unwrap();
             [told(&run(&old, &start, &long).unwrap()), told(&run(&new, &started, &short).unwrap())]
         };
@@ -77,13 +77,17 @@ fn one_mass_on_one_mode_is_the_siva() {
     let mut rng = Rng::new(17);
     let mut worst: f64 = 0.0;
     let mut episodes = 0;
-    for _ in 0..20 {
+    for k in 0..20 {
         let [mu, e, d, ..] = any_mass(&mut rng);
         let (x, zeta) = (rng.range(0.5, 2.0), rng.range(0.0, 0.1));
         let siva = Siva::new(mu, e, d, zeta).unwrap();
         let start = Start { displacement: x, ..Start::default() };
-        let mode = ModalStructure::new(&[1.0], &[zeta]).unwrap().with_point("it", &[1.0]).unwrap();
-        let modal = Modal::new(mode, [(FreeMass::new(mu, e, d).unwrap(), "it")]).unwrap();
+        let mut mode = ModalStructure::moving_as_one(zeta).unwrap();
+        if k % 2 == 0 {
+            // With a point that moves half as far the structure does not move as one.
+            mode = mode.with_point("below", &[0.5]).unwrap();
+        }
+        let modal = Modal::new(mode, [(FreeMass::new(mu, e, d).unwrap(), PRIMARY)]).unwrap();
         let started = ModalStart::new(&[x], &[], gaps(&[[mu, e, d, 0.0, 0.0, 0.0]])).unwrap();
         let [old, new] = [
             told(&run(&siva, &start, &limits(20.0)).unwrap()),

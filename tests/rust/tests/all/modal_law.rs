@@ -4,7 +4,6 @@
 use iva_core::{
     absorber::modal::{Modal, ModalStart, ModalStructure},
     absorber::restitution::RestitutionLaw,
-    absorber::several::{Several, Starts},
     absorber::{Absorber, ImpactLaw, OnStructure, Point},
     error::Invalid,
     force::{Acts, Force, Impulse},
@@ -13,6 +12,7 @@ use iva_core::{
     simulate::Outcome,
     siva::FreeMass,
 };
+use iva_tests::list::{self, list};
 use iva_tests::modal::{
     Mass, POINTS, any_mass, any_start, any_structure, built, furthest, gaps, instants, limits,
     push, rows,
@@ -236,16 +236,18 @@ fn laws_on_one_mode_are_those_of_a_list() {
         let lawful = masses.map(|mass| built::<f64>(mass).with_restitution_laws(laws));
         let (x, v, zeta) = (rng.range(0.5, 1.5), rng.range(-0.5, 0.5), rng.range(0.0, 0.05));
         let structure = ModalStructure::new(&[1.0], &[zeta]).unwrap();
+        // With a point that moves half as far the structure does not move as one.
         let structure = structure.with_point("it", &[1.0]).unwrap();
+        let structure = structure.with_point("below", &[0.5]).unwrap();
         let begun = ModalStart::new(&[x], &[v], gaps(&masses)).unwrap();
         let modal = Modal::new(structure, lawful.map(|mass| (mass, "it"))).unwrap();
-        let list = Several::new(zeta, lawful).unwrap();
-        let starts = Starts { primary: Point { x, v }, gaps: gaps(&masses) };
+        let list = list(zeta, &lawful);
+        let starts = list::begun(Point { x, v }, &gaps::<f64, 2>(&masses));
         let (a, b) = if k % 3 == 0 {
             let force = || push(0.4, 0.9, Acts::Primary);
             let modal = modal.under(force(), "it").unwrap();
             let a = run(&modal, &begun, &limits(12.0)).unwrap();
-            let b = run(&list.under(force()), &starts, &limits(12.0)).unwrap();
+            let b = run(&list::driven(&list, force()), &starts, &limits(12.0)).unwrap();
             ((rows(&a.impacts), instants(&a)), (rows(&b.impacts), instants(&b)))
         } else {
             let a = run(&modal, &begun, &limits(12.0)).unwrap();

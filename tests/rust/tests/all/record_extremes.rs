@@ -6,23 +6,24 @@ use std::sync::Arc;
 
 use iva_core::{
     absorber::Point,
-    absorber::several::Alone,
     force::{Acts, Force, History, Impulse, Record},
     run::states,
     simulate::{Limits, simulate},
     steady::{Steady, SteadyWanted, Window},
 };
 use iva_tests::cases;
+use iva_tests::list::{begun, driven, list};
 use proptest::prelude::*;
 
 const SAMPLES: usize = 8000;
 
 /// Largest |x| and |A| of a structure without absorber, as measured by the simulator.
 fn measured(zeta: f64, force: Force, start: Point, duration: f64) -> [f64; 2] {
-    let structure = Alone::new(zeta, []).unwrap().under(force);
+    let structure = driven(&list(zeta, &[]), force);
     let wanted = SteadyWanted { amplitude: true, acceleration: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window::default(), wanted);
-    simulate(&structure, &start.into(), &Limits::new(duration, 1.0), None, &mut steady).unwrap();
+    simulate(&structure, &begun(start, &[]), &Limits::new(duration, 1.0), None, &mut steady)
+        .unwrap();
     let values = steady.values();
     [values.amplitude_max.unwrap(), values.acceleration_max.unwrap()]
 }
@@ -65,11 +66,11 @@ proptest! {
         let start = Point { x, v };
         let [largest_x, largest_a] = measured(zeta, force.clone(), start, duration);
 
-        let structure = Alone::new(zeta, []).unwrap().under(force);
+        let structure = driven(&list(zeta, &[]), force);
         // The last instant is the end itself: a rounding before it there would be no sample.
         let before = (0..SAMPLES).map(|k| duration * k as f64 / SAMPLES as f64);
         let instants: Vec<f64> = before.chain([duration]).collect();
-        let sampled = states(&structure, &start.into(), &Limits::new(duration, 1.0), &instants).unwrap();
+        let sampled = states(&structure, &begun(start, &[]), &Limits::new(duration, 1.0), &instants).unwrap();
         let (mut most_x, mut most_a) = (0.0f64, 0.0f64);
         for state in &sampled {
             let force = if on_base { 0.0 } else { line(&times, &values, state.time) };

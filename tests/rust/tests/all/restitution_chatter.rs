@@ -8,7 +8,6 @@ use std::f64::consts::TAU;
 
 use Law::Power as PowerLaw;
 use iva_core::{
-    absorber::several::{Several, Starts},
     absorber::{
         Absorber, ImpactLaw, OnStructure, Point, Start, Wall,
         chatter::{Power, Rebound},
@@ -23,6 +22,7 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::{FreeMass, SivaState},
 };
+use iva_tests::list::{List, begun, list};
 use iva_tests::{
     U,
     laws::{Free, LAWS, Law, decay, mass, start},
@@ -206,10 +206,10 @@ fn one_of_several_is_the_free_mass() {
         let masses = [FreeMass::new(n(0.15), Twofold::ONE, n(0.1))
             .unwrap()
             .with_restitution_laws([law.made(); 2])];
-        let listed = Several::new(n(0.02), masses).unwrap();
+        let listed = list(n(0.02), &masses);
         let zero = Twofold::ZERO;
         let gaps = [GapPoint { y: zero, w: zero }];
-        let starts = Starts { primary: Point { x: Twofold::ONE, v: zero }, gaps };
+        let starts = begun(Point { x: Twofold::ONE, v: zero }, &gaps);
         let limits = Limits::new(n(10.0), n(0.1));
         let (one, alone) =
             (run(&listed, &starts, &limits).unwrap(), decay(&mass::<Twofold>(numbers, law), 10.0));
@@ -230,7 +230,7 @@ fn one_of_several_is_the_free_mass() {
 /// second never sticks, so that the chatter of the first is summed.
 #[test]
 fn several_masses_have_their_laws() {
-    fn built<R: Real>(k: usize) -> Several<UndrivenHost<R>, 2> {
+    fn built<R: Real>(k: usize) -> List<UndrivenHost<R>> {
         let laws = [[LAWS[k], LAWS[(k + 1) % 8]], [LAWS[5], LAWS[7]]];
         let numbers = [(0.1, 0.1), (0.05, 0.7)].into_iter().zip(laws);
         let mut masses = numbers.map(|((mu, d), laws)| {
@@ -238,11 +238,11 @@ fn several_masses_have_their_laws() {
             mass.with_restitution_laws(laws.map(Law::made))
         });
         let masses = [masses.next().unwrap(), masses.next().unwrap()];
-        Several::new(R::from(0.02), masses).unwrap()
+        list(R::from(0.02), &masses)
     }
-    fn ran<R: Real>(k: usize) -> Run<<Several<UndrivenHost<R>, 2> as OnStructure>::State, R> {
+    fn ran<R: Real>(k: usize) -> Run<<List<UndrivenHost<R>> as OnStructure>::State, R> {
         let gaps = [GapPoint { y: R::ZERO, w: R::from(0.1) }; 2];
-        let starts = Starts { primary: Point { x: R::ONE, v: R::ZERO }, gaps };
+        let starts = begun(Point { x: R::ONE, v: R::ZERO }, &gaps);
         run(&built(k), &starts, &Limits::new(R::from(8.0), R::from(0.3))).unwrap()
     }
     let [mut impacts, mut sticks] = [0, 0];

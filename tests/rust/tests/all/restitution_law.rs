@@ -8,7 +8,6 @@ use std::f64::consts::TAU;
 
 use Law::{Constant, Plastic, Power as PowerLaw, Table};
 use iva_core::{
-    absorber::several::{Several, Starts},
     absorber::{Absorber, ImpactLaw, OnStructure, Point, Start, Wall, restitution::RestitutionLaw},
     flight::GapPoint,
     force::Acts,
@@ -22,6 +21,7 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::{FreeMass, Siva},
 };
+use iva_tests::list::{begun, driven, list};
 use iva_tests::{
     U,
     laws::{Free, LAWS, Law, mass, push, start},
@@ -73,9 +73,9 @@ fn a_law_that_is_constant_gives_the_same_bits_to_several() {
             })
         };
         let gaps = [0.3, -0.4, 0.7].map(|w| GapPoint { y: 0.01, w });
-        let starts = Starts { primary: Point { x: 1.0, v: 0.2 }, gaps };
+        let starts = begun(Point { x: 1.0, v: 0.2 }, &gaps);
         let limits = Limits::new(30.0, 0.1);
-        let system = |masses| Several::new(0.02, masses).unwrap();
+        let system = |masses: [FreeMass; 3]| list(0.02, &masses);
         let force = push(0.4, 0.9, Acts::Primary);
         for masses in [laws(0), laws(1)] {
             if k % 2 == 0 {
@@ -84,8 +84,8 @@ fn a_law_that_is_constant_gives_the_same_bits_to_several() {
                 assert_eq!((&old.impacts, &old.episodes), (&new.impacts, &new.episodes), "{k}");
                 sticks += old.episodes.len();
             } else {
-                let old = run(&system(old).under(force.clone()), &starts, &limits).unwrap();
-                let new = run(&system(masses).under(force.clone()), &starts, &limits).unwrap();
+                let old = run(&driven(&system(old), force.clone()), &starts, &limits).unwrap();
+                let new = run(&driven(&system(masses), force.clone()), &starts, &limits).unwrap();
                 assert_eq!((&old.impacts, &old.episodes), (&new.impacts, &new.episodes), "{k}");
                 sticks += old.episodes.len();
             }

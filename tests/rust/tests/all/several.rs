@@ -8,12 +8,12 @@
 use std::sync::Arc;
 
 use iva_core::{
-    absorber::several::{Several, Starts},
+    absorber::modal::{FewModes, Modal, ModalStart, ModalStructure, PRIMARY},
     absorber::{Absorber, ImpactLaw, OnStructure, Point, Start},
     extremes::Extremes,
     flight::GapPoint,
     force::{Acts, Force, Harmonic, History, Impulse, Record},
-    host::{Host, UndrivenHost},
+    host::Host,
     impact::Impact,
     measures::Wanted,
     observe::Events,
@@ -25,6 +25,7 @@ use iva_core::{
     steady::{Steady, SteadyWanted, Window},
     summary::Summary,
 };
+use iva_tests::list::{List, Starts, begun, driven, list};
 use iva_tests::rng::Rng;
 
 /// Parameters of a mass and its start: μ, e, d, offset, y and w.
@@ -43,9 +44,9 @@ fn built<R: Real>([mu, e, d, offset, ..]: Mass) -> FreeMass<R> {
     mass.with_offset(offset.into()).unwrap()
 }
 
-fn start<R: Real, const N: usize>([x, v]: [f64; 2], masses: &[Mass; N]) -> Starts<R, N> {
+fn start<R: Real, const N: usize>([x, v]: [f64; 2], masses: &[Mass; N]) -> Starts<R> {
     let gaps = masses.map(|[.., y, w]| GapPoint { y: y.into(), w: w.into() });
-    Starts { primary: Point { x: x.into(), v: v.into() }, gaps }
+    begun(Point { x: x.into(), v: v.into() }, &gaps)
 }
 
 fn push<R: Real>(amplitude: f64, frequency: f64, acts: Acts) -> Force<R> {
@@ -87,7 +88,7 @@ fn one_of_several_is_the_free_mass() {
         let masses = [any_mass(&mut rng)];
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let zeta = rng.range(0.0, 0.1);
-        let listed = Several::new(Twofold::from(zeta), masses.map(built)).unwrap();
+        let listed = list(Twofold::from(zeta), &masses.map(built));
         let [mu, e, d, offset, y, w] = masses[0];
         let n = Twofold::from;
         let siva = Siva::new(n(mu), n(e), n(d), n(zeta)).unwrap().with_offset(n(offset)).unwrap();
@@ -99,9 +100,9 @@ fn one_of_several_is_the_free_mass() {
         let [a, b] = if k % 2 == 0 {
             [told(run(&listed, &starts, &limits)), told(run(&siva, &alone, &limits))]
         } else {
-            let driven = listed.under(force());
+            let listed = driven(&listed, force());
             let siva = siva.under(force());
-            [told(run(&driven, &starts, &limits)), told(run(&siva, &alone, &limits))]
+            [told(run(&listed, &starts, &limits)), told(run(&siva, &alone, &limits))]
         };
         let off = furthest(&a.0, &b.0);
         assert!(off < 1e-13, "scene {k}: impacts {off:e}");
@@ -140,20 +141,16 @@ fn momentum_and_energy_hold() {
         let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
         let zeta = if k % 3 == 0 { 0.0 } else { rng.range(0.0, 0.05) };
         let told = match k % 4 {
-            0 => held(
-                &Several::new(zeta, [masses[0], masses[1]].map(built)).unwrap(),
-                at,
-                &[masses[0], masses[1]],
-            ),
+            0 => held(&list(zeta, &[masses[0], masses[1]].map(built)), at, &[masses[0], masses[1]]),
             1 => {
                 let three = [masses[0], masses[1], masses[2]];
-                held(&Several::new(zeta, three.map(built)).unwrap(), at, &three)
+                held(&list(zeta, &three.map(built)), at, &three)
             }
-            2 => held(&Several::new(zeta, masses.map(built)).unwrap(), at, &masses),
+            2 => held(&list(zeta, &masses.map(built)), at, &masses),
             _ => {
                 let acts = if k % 8 == 3 { Acts::Base } else { Acts::Primary };
-                let system = Several::new(zeta, masses.map(built)).unwrap();
-                held(&system.under(push(0.5, 1.05, acts)), at, &masses)
+                let system = list(zeta, &masses.map(built));
+                held(&driven(&system, push(0.5, 1.05, acts)), at, &masses)
             }
         };
         episodes += told.0;
@@ -165,7 +162,7 @@ fn momentum_and_energy_hold() {
 }
 
 fn held<H: Host<Real = f64>, const N: usize>(
-    system: &Several<H, N>,
+    system: &List<H>,
     at: [f64; 2],
     masses: &[Mass; N],
 ) -> (usize, [usize; 5]) {
@@ -182,7 +179,7 @@ fn held<H: Host<Real = f64>, const N: usize>(
     assert!(run.impacts.windows(2).all(|two| two[0].time <= two[1].time), "in order of time");
     let lost: f64 = run.impacts.iter().map(|impact| impact.energy_loss).sum();
     assert!((lost - run.tally.energy_impacts).abs() < 1e-6 * (1.0 + lost), "{lost}");
-    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).zip(masses) {
+    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).into_iter().zip(masses) {
         assert!((gap.y - offset).abs() <= *d);
     }
     (run.episodes.len(), counted)
@@ -196,7 +193,7 @@ fn each_impact_loses_the_work_of_its_own_impulse() {
         let speeds = [rng.range(0.1, 1.0), rng.range(0.1, 1.0)];
         let touching = |k: usize, e: f64| -> Mass { [[0.3, 0.8][k], e, 1.0, 0.0, 1.0, speeds[k]] };
         let masses = [touching(0, 1.0), touching(1, rng.range(0.0, 0.9))];
-        let system = Several::new(0.0, masses.map(built)).unwrap();
+        let system = list(0.0, &masses.map(built));
         let before = system.begin(&start([0.2, rng.range(-1.0, 1.0)], &masses));
         let of = |k: usize| system.impact(&system.turned_to(&before, k), 0.0);
         let [(after, elastic), (_, other)] = [of(0), of(1)];
@@ -222,7 +219,7 @@ fn energy_holds_under_records_and_impulses() {
         let kicks: Vec<Impulse> = [1.0, 4.0, 9.0, 16.0].map(kick).to_vec();
         let harmonics = push::<f64>(0.3, 1.2, Acts::Primary).harmonics().to_vec();
         let force = Force::new(harmonics, vec![record], &kicks).unwrap();
-        let system = Several::new(0.02, masses.map(built)).unwrap().under(force);
+        let system = driven(&list(0.02, &masses.map(built)), force);
         episodes += held(&system, [1.0, 0.0], &masses).0;
     }
     assert!(episodes > 20, "{episodes} episodes");
@@ -235,7 +232,7 @@ fn a_divided_run_goes_on() {
     let mut stuck = 0;
     for _ in 0..24 {
         let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
-        let system = Several::new(Twofold::from(0.02), masses.map(built)).unwrap();
+        let system = list(Twofold::from(0.02), &masses.map(built));
         let start = start([1.5, 0.0], &masses);
         let whole = simulate(&system, &start, &limits(14.0), None, &mut ()).unwrap();
         let middle: f64 = rng.range(2.0, 12.0);
@@ -243,7 +240,7 @@ fn a_divided_run_goes_on() {
         stuck += usize::from((0..3).any(|k| system.is_stuck(&system.turned_to(&first.state, k))));
         let second = resume(&system, &first.instant(), &limits(14.0), None, &mut ()).unwrap();
         assert_eq!(whole.impacts, first.impacts + second.impacts);
-        for (a, b) in system.gaps(&whole.state).zip(system.gaps(&second.state)) {
+        for (a, b) in system.gaps(&whole.state).into_iter().zip(system.gaps(&second.state)) {
             let off = [a.y - b.y, a.w - b.w].map(|it| f64::from(it).abs());
             assert!(off[0].max(off[1]) < 1e-13, "{middle}: {off:?}");
         }
@@ -264,7 +261,7 @@ fn impacts_per_cycle_are_those_listed() {
         });
         let force = push::<f64>(0.4, 0.8, Acts::Primary);
         let harmonic = force.harmonics()[0];
-        let system = Several::new(0.03, masses.map(built)).unwrap().under(force);
+        let system = driven(&list(0.03, &masses.map(built)), force);
         let from = 10.0;
         let window = Window { from, cycle: Some(harmonic) };
         let wanted = SteadyWanted { impacts: true, ..SteadyWanted::default() };
@@ -289,7 +286,7 @@ fn a_mirrored_scene_is_mirrored_to_the_bit() {
         let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let image = masses.map(|[mu, e, d, offset, y, w]| [mu, e, d, -offset, -y, -w]);
-        let system = |masses: [Mass; 3]| Several::new(0.01, masses.map(built)).unwrap();
+        let system = |masses: [Mass; 3]| list(0.01, &masses.map(built));
         let one = run(&system(masses), &start(at, &masses), &limits(40.0)).unwrap();
         let other = run(&system(image), &start(at.map(|it| -it), &image), &limits(40.0)).unwrap();
         let turned =
@@ -306,7 +303,7 @@ fn a_mirrored_scene_is_mirrored_to_the_bit() {
 fn two_that_mirror_each_other_leave_the_structure_at_rest() {
     let (mu, e, d, w) = (0.3, 0.8, 0.5, 0.7);
     let masses = [[mu, e, d, 0.0, 0.0, w], [mu, e, d, 0.0, 0.0, -w]];
-    let system = Several::new(0.02, masses.map(built)).unwrap();
+    let system = list(0.02, &masses.map(built));
     let run = run(&system, &start([0.0, 0.0], &masses), &limits(30.0)).unwrap();
     let mut expected = d / w;
     let mut crossing = 2.0 * d / w;
@@ -336,8 +333,8 @@ fn equal_masses_in_one_phase_are_one() {
         let one = [[mu, e, d, offset, y, w]];
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let zeta = Twofold::from(rng.range(0.0, 0.1));
-        let many = Several::new(zeta, three.map(built)).unwrap();
-        let single = Several::new(zeta, one.map(built)).unwrap();
+        let many = list(zeta, &three.map(built));
+        let single = list(zeta, &one.map(built));
         let limits = limits(12.0);
         let [many, single] = if k % 2 == 0 {
             [
@@ -347,8 +344,8 @@ fn equal_masses_in_one_phase_are_one() {
         } else {
             let force = || push::<Twofold>(0.4, 1.1, Acts::Primary);
             [
-                told(run(&many.under(force()), &start(at, &three), &limits)),
-                told(run(&single.under(force()), &start(at, &one), &limits)),
+                told(run(&driven(&many, force()), &start(at, &three), &limits)),
+                told(run(&driven(&single, force()), &start(at, &one), &limits)),
             ]
         };
         for index in 0..4 {
@@ -372,8 +369,8 @@ fn one_far_from_its_walls_changes_nothing() {
         let mass = any_mass(&mut rng);
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let both = [mass, [0.4, 0.7, 1e4, 0.0, 3.0, 0.1]];
-        let pair = Several::new(0.02, both.map(built)).unwrap();
-        let alone = Several::new(0.02, [mass].map(built)).unwrap();
+        let pair = list(0.02, &both.map(built));
+        let alone = list(0.02, &[mass].map(built));
         let pair = run(&pair, &start(at, &both), &limits(40.0)).unwrap();
         let alone = run(&alone, &start(at, &[mass]), &limits(40.0)).unwrap();
         assert_eq!(rows(&pair.impacts), rows(&alone.impacts));
@@ -390,7 +387,7 @@ fn a_stuck_mass_is_carried_or_left_behind() {
     for wall in [1.0, -1.0] {
         let (mu, e, d) = (0.2, 0.5, 0.4);
         let masses = [[0.3, 0.6, 1.0, 0.0, 1.0, 0.0], [mu, e, d, 0.0, 0.0, wall * 2.0]];
-        let system = Several::new(0.0, masses.map(built)).unwrap();
+        let system = list(0.0, &masses.map(built));
         let run = run(&system, &start([1.0, 0.0], &masses), &limits(1.0)).unwrap();
         let impact = run.impacts.iter().find(|impact| impact.absorber == 1).unwrap();
         let left = run.episodes.iter().find(|episode| episode.absorber == 0).unwrap();
@@ -413,8 +410,8 @@ fn doubles_agree_with_twice_the_precision() {
     for _ in 0..12 {
         let masses: [Mass; 4] = std::array::from_fn(|_| any_mass(&mut rng));
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
-        let plain = Several::new(0.01, masses.map(built)).unwrap();
-        let precise = Several::new(Twofold::from(0.01), masses.map(built)).unwrap();
+        let plain = list(0.01, &masses.map(built));
+        let precise = list(Twofold::from(0.01), &masses.map(built));
         let plain = run(&plain, &start(at, &masses), &limits(12.0)).unwrap();
         let precise = run(&precise, &start(at, &masses), &limits(12.0)).unwrap();
         let [plain, precise] = [rows(&plain.impacts), rows(&precise.impacts)];
@@ -430,17 +427,14 @@ fn doubles_agree_with_twice_the_precision() {
 #[test]
 fn a_bad_list_is_refused() {
     let masses = [[0.1, 0.5, 0.4, 0.0, 0.0, 0.0], [0.1, 0.5, 0.4, 0.0, 0.5, 0.0]];
-    let system = Several::new(0.0, masses.map(built::<f64>)).unwrap();
+    let system = list(0.0, &masses.map(built::<f64>));
     let error = system.check_start(&start([1.0, 0.0], &masses)).unwrap_err().to_string();
     assert!(error.contains("start.1.gap_displacement"), "{error}");
-    let nine: Result<Several<UndrivenHost, 9>, _> = Several::new(0.0, [built(masses[0]); 9]);
-    assert!(nine.unwrap_err().to_string().contains("give 8 absorbers at most"));
     assert!((system.mass_ratio() - 0.2).abs() < 1e-15);
-    for count in [0, 9] {
-        let list = vec![built::<f64>(masses[0]); count];
-        let error = Several::of(0.0, &list).unwrap_err().to_string();
-        assert!(error.contains("give 1 to 8 absorbers"), "{error}");
-    }
+    let nine = [(built::<f64>(masses[0]), PRIMARY); 9];
+    let structure = ModalStructure::moving_as_one(0.0).unwrap();
+    let error = Modal::of(structure, &nine).unwrap_err().to_string();
+    assert!(error.contains("give from 1 to 8 absorbers"), "{error}");
 }
 
 /// A list with room for more masses than it has makes the same run to the bit, and tells of each mass what its events say.
@@ -451,15 +445,21 @@ fn a_list_of_any_length_is_the_same_run() {
     for k in 0..40 {
         let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
         let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
-        let exact = Several::new(0.02, masses.map(built::<f64>)).unwrap();
-        let room = Several::of(0.02, &masses.map(built::<f64>)).unwrap();
-        let (starts, limits) = (start(at, &masses), limits(25.0));
-        let wide = Starts::of(starts.primary, &starts.gaps);
+        let structure = ModalStructure::moving_as_one(0.02).unwrap();
+        let exact = masses.map(|mass| (built::<f64>(mass), PRIMARY));
+        let exact = FewModes::with_room(structure, &exact).unwrap();
+        let room = list(0.02, &masses.map(built::<f64>));
+        let (wide, limits) = (start(at, &masses), limits(25.0));
+        let unused = GapPoint { y: 0.0, w: 0.0 };
+        let gap = |[.., y, w]: &Mass| GapPoint { y: *y, w: *w };
+        let gaps = std::array::from_fn(|k| masses.get(k).map_or(unused, gap));
+        let starts = ModalStart::new(&[at[0]], &[at[1]], gaps).unwrap();
         let force = || push::<f64>(0.3, 0.9, Acts::Primary);
         if k % 2 == 0 {
             episodes += same(&exact, &starts, &room, &wide, &limits, masses);
         } else {
-            let (exact, room) = (exact.under(force()), room.under(force()));
+            let exact = exact.under(force(), PRIMARY).unwrap();
+            let room = driven(&room, force());
             episodes += same(&exact, &starts, &room, &wide, &limits, masses);
         }
     }
@@ -468,9 +468,9 @@ fn a_list_of_any_length_is_the_same_run() {
 
 /// Compares the runs of two lists of the same masses; returns the number of stick episodes.
 fn same<H: Host<Real = f64>, const N: usize>(
-    exact: &Several<H, N>,
-    start: &Starts<f64, N>,
-    room: &Several<H>,
+    exact: &FewModes<H>,
+    start: &ModalStart<f64, 4, 4>,
+    room: &List<H>,
     wide: &Starts<f64>,
     limits: &Limits,
     masses: [Mass; N],
@@ -480,7 +480,7 @@ fn same<H: Host<Real = f64>, const N: usize>(
     assert_eq!(one.impacts, other.impacts);
     assert_eq!(one.episodes, other.episodes);
     assert_eq!(one.measures, other.measures);
-    let mut seen = (Summary::<Several<H>>::new(Wanted::NONE, None), Sampler::at(vec![3.0, 7.0]));
+    let mut seen = (Summary::<List<H>>::new(Wanted::NONE, None), Sampler::at(vec![3.0, 7.0]));
     let tally = simulate(room, wide, limits, None, &mut seen).unwrap();
     let each = seen.0.absorbers();
     assert_eq!(each.len(), N);
@@ -534,9 +534,8 @@ fn the_extremes_are_those_of_each_mass() {
     for _ in 0..10 {
         let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
         let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
-        let pair = Several::of(0.02, &masses.map(built::<f64>)).unwrap();
-        let starts = start(at, &masses);
-        let wide = Starts::of(starts.primary, &starts.gaps);
+        let pair = list(0.02, &masses.map(built::<f64>));
+        let wide = start(at, &masses);
         let times = (0..=20_000).map(|k| f64::from(k) * 1e-3).collect();
         let mut seen = (Extremes::new(0.0), Sampler::with_events(times));
         simulate(&pair, &wide, &limits(20.0), None, &mut seen).unwrap();
@@ -565,7 +564,7 @@ fn a_jump_of_the_force_frees_one_in_a_list() {
         masses[0][1] = rng.range(0.0, 0.4);
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let n = Twofold::from;
-        let listed = Several::new(n(0.02), masses.map(built)).unwrap();
+        let listed = list(n(0.02), &masses.map(built));
         let [mu, e, d, offset, y, w] = masses[0];
         let siva = Siva::new(n(mu), n(e), n(d), n(0.02)).unwrap().with_offset(n(offset)).unwrap();
         let step = |from: f64| {
@@ -578,7 +577,7 @@ fn a_jump_of_the_force_frees_one_in_a_list() {
         let alone = Start { displacement, velocity, gap_displacement, gap_velocity };
         let limits = limits::<Twofold>(12.0);
         let from = rng.range(1.0, 5.0);
-        let a = told(run(&listed.under(step(from)), &start(at, &masses), &limits));
+        let a = told(run(&driven(&listed, step(from)), &start(at, &masses), &limits));
         let b = told(run(&siva.under(step(from)), &alone, &limits));
         assert!(furthest(&a.0, &b.0) < 1e-12, "scene {k}");
         assert_eq!(a.1.len(), b.1.len(), "scene {k}: episodes");

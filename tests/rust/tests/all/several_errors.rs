@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
-    absorber::several::{Several, Starts},
     absorber::{Point, Start},
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
@@ -15,6 +14,7 @@ use iva_core::{
     siva::{FreeMass, Siva},
 };
 use iva_tests::covered::Covered;
+use iva_tests::list::{List, begun, driven, list};
 use iva_tests::rng::Rng;
 
 /// Numbers of a scene: ζ, x and ẋ, and of each mass μ, e, d, y and w.
@@ -43,22 +43,22 @@ impl Scene {
     /// Runs it, from x displaced by a small number.
     fn run<R: Real, O>(&self, displaced: R, observer: O) -> O
     where
-        O: iva_core::observe::Observer<Several<iva_core::host::UndrivenHost<R>>>
-            + iva_core::observe::Observer<Several<iva_core::host::DrivenHost<R>>>,
+        O: iva_core::observe::Observer<List<iva_core::host::UndrivenHost<R>>>
+            + iva_core::observe::Observer<List<iva_core::host::DrivenHost<R>>>,
     {
         let n = R::from;
         let mass = |it: &[f64; 5]| FreeMass::new(n(it[0]), n(it[1]), n(it[2])).unwrap();
         let masses: Vec<FreeMass<R>> = self.masses.iter().map(mass).collect();
         let gap = |it: &[f64; 5]| GapPoint { y: n(it[3]), w: n(it[4]) };
         let gaps: Vec<GapPoint<R>> = self.masses.iter().map(gap).collect();
-        let start = Starts::of(Point { x: n(self.at[0]) + displaced, v: n(self.at[1]) }, &gaps);
-        let system = Several::of(n(self.zeta), &masses).unwrap();
+        let start = begun(Point { x: n(self.at[0]) + displaced, v: n(self.at[1]) }, &gaps);
+        let system = list(n(self.zeta), &masses);
         let limits = Limits::new(n(25.0), n(0.2));
         let mut observer = observer;
         if self.driven {
             let [amplitude, frequency, phase] = [0.3, 0.9, 0.2].map(n);
             let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };
-            let system = system.under(Force::harmonic(vec![harmonic]).unwrap());
+            let system = driven(&system, Force::harmonic(vec![harmonic]).unwrap());
             simulate(&system, &start, &limits, None, &mut observer).unwrap();
         } else {
             simulate(&system, &start, &limits, None, &mut observer).unwrap();

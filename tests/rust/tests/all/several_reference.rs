@@ -4,7 +4,6 @@
 
 use iva_core::{
     absorber::Point,
-    absorber::several::{Several, Starts},
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
     host::Host,
@@ -13,6 +12,7 @@ use iva_core::{
     simulate::{Limits, Outcome},
     siva::FreeMass,
 };
+use iva_tests::list::{List, begun, driven, list};
 use iva_tests::{U, dd::Dd};
 use serde_json::Value;
 
@@ -42,8 +42,8 @@ impl Read for Twofold {
 type Event<R> = (String, u64, Vec<R>);
 
 /// The events of a run, without impacts at or below a share of 1e-6 of the clearance.
-fn events<R: Read, H: Host<Real = R>, const N: usize>(
-    system: &Several<H, N>,
+fn events<R: Read, H: Host<Real = R>>(
+    system: &List<H>,
     scene: &Value,
 ) -> (Vec<Event<R>>, [Vec<R>; 2]) {
     let start = &scene["start"];
@@ -52,7 +52,8 @@ fn events<R: Read, H: Host<Real = R>, const N: usize>(
         GapPoint { y, w }
     };
     let [x, v] = ["displacement", "velocity"].map(|name| R::read(&start[name]));
-    let starts = Starts { primary: Point { x, v }, gaps: std::array::from_fn(gap) };
+    let gaps: Vec<_> = (0..system.masses().len()).map(gap).collect();
+    let starts = begun(Point { x, v }, &gaps);
     let limits = Limits::new(R::read(&scene["duration"]), R::from(1e-3));
     let run = run(system, &starts, &limits).unwrap();
     assert_eq!((run.tally.outcome, run.tally.undecided), (Outcome::Finished, 0));
@@ -76,27 +77,20 @@ fn events<R: Read, H: Host<Real = R>, const N: usize>(
         }
     }
     let end = [|gap: GapPoint<R>| gap.y, |gap: GapPoint<R>| gap.w]
-        .map(|read| system.gaps(&run.tally.state).map(read).collect());
+        .map(|read| system.gaps(&run.tally.state).into_iter().map(read).collect());
     (events, end)
 }
 
-/// The events of a scene whose number of masses is known at run time only.
+/// The events of a scene.
 fn events_of<R: Read>(scene: &Value) -> (Vec<Event<R>>, [Vec<R>; 2]) {
-    match scene["mass_ratios"].as_array().unwrap().len() {
-        2 => events_with::<R, 2>(scene),
-        3 => events_with::<R, 3>(scene),
-        4 => events_with::<R, 4>(scene),
-        _ => events_with::<R, 5>(scene),
-    }
-}
-
-fn events_with<R: Read, const N: usize>(scene: &Value) -> (Vec<Event<R>>, [Vec<R>; 2]) {
-    let masses = std::array::from_fn(|k| {
+    let count = scene["mass_ratios"].as_array().unwrap().len();
+    let mass = |k: usize| {
         let key = |name: &str| R::read(&scene[name][k]);
         let [mu, e, d] = ["mass_ratios", "restitutions", "clearances"].map(key);
         FreeMass::new(mu, e, d).unwrap().with_offset(key("offsets")).unwrap()
-    });
-    let system = Several::<_, N>::new(R::read(&scene["damping_ratio"]), masses).unwrap();
+    };
+    let masses: Vec<_> = (0..count).map(mass).collect();
+    let system = list(R::read(&scene["damping_ratio"]), &masses);
     let force = &scene["force"];
     if force.is_null() {
         return events(&system, scene);
@@ -104,7 +98,7 @@ fn events_with<R: Read, const N: usize>(scene: &Value) -> (Vec<Event<R>>, [Vec<R
     let [amplitude, frequency, phase] =
         ["amplitude", "frequency", "phase"].map(|name| R::read(&force[name]));
     let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };
-    events(&system.under(Force::harmonic(vec![harmonic]).unwrap()), scene)
+    events(&driven(&system, Force::harmonic(vec![harmonic]).unwrap()), scene)
 }
 
 /// The expected events, with the condition of each.

@@ -13,9 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::columns;
 use super::lists::{DifferentiableList, Moved, place, tail_of};
-use crate::absorber::several::Several;
 use crate::absorber::{Absorber, Point};
-use crate::host::Host;
 use crate::host::oscillator::Equation;
 
 /// The linear structure and the masses on it.
@@ -48,17 +46,6 @@ pub trait LinearMasses: Absorber<Real = f64> {
 }
 
 impl LinearStructure {
-    /// A structure that moves as one, with masses on it.
-    fn moving_as_one(damping_ratio: f64, mass_ratios: Vec<f64>) -> Self {
-        Self {
-            stiffness: DMatrix::repeat(1, 1, 1.0),
-            damping: DMatrix::repeat(1, 1, 2.0 * damping_ratio),
-            shapes: vec![DVector::repeat(1, 1.0); mass_ratios.len()],
-            lightness: mass_ratios.iter().map(|ratio| 1.0 / ratio).collect(),
-            as_coordinates: vec![],
-        }
-    }
-
     /// Number of coordinates.
     fn coordinates(&self) -> usize {
         self.stiffness.nrows()
@@ -333,29 +320,5 @@ impl<S: LinearMasses> DifferentiableList for S {
             phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
         };
         linear.shapes[absorber].iter().enumerate().map(of).sum()
-    }
-}
-
-impl<H: Host<Real = f64>> LinearMasses for Several<H> {
-    fn linear(&self) -> LinearStructure {
-        let mass_ratios = self.masses().iter().map(|mass| mass.mass_ratio).collect();
-        LinearStructure::moving_as_one(self.damping_ratio(), mass_ratios)
-    }
-
-    fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
-        state.masses[..self.absorbers()].iter().map(|mass| mass.stuck).collect()
-    }
-
-    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
-        let mut moving = *state;
-        for (mass, carried) in moving.masses.iter_mut().zip(carried) {
-            mass.stuck = *carried;
-        }
-        let [v, a, base] = self.motion_of(&moving);
-        let gaps = self
-            .gaps(state)
-            .zip(carried)
-            .flat_map(|(gap, carried)| if *carried { [0.0; 2] } else { [gap.w, -a] });
-        DVector::from_iterator(2 + 2 * carried.len(), [v, a - base].into_iter().chain(gaps))
     }
 }

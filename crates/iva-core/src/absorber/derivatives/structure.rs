@@ -1,12 +1,8 @@
 //! Derivatives of the motion of a structure, alone or with an absorber stuck to it, which is linear.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Matrix4;
 
-use super::Differentiable;
-use crate::absorber::Wall;
-use crate::absorber::several::Alone;
 use crate::host::oscillator::Equation;
-use crate::host::{Host, HostState, Structure};
 
 /// x and ẋ after a time h from (x, ẋ) = (1, 0) and from (0, 1): the columns of the flow.
 ///
@@ -58,35 +54,3 @@ const OVER: [f64; 14] = {
     }
     over
 };
-
-impl<H: Host<Real = f64>> Differentiable for Alone<H> {
-    const LINEAR: bool = true;
-
-    fn rates(&self, state: &Self::State) -> Vector4<f64> {
-        let HostState { primary, acceleration, phase } = &state.host;
-        let [base, ..] = self.host.free().base(phase);
-        Vector4::new(primary.v.value, acceleration.value - base, 0.0, 0.0)
-    }
-
-    fn flight_tangent(&self, _from: &Self::State, h: f64) -> Matrix4<f64> {
-        let [[xx, vx], [xv, vv]] = columns(self.host.free().equation(), h);
-        Matrix4::new(
-            xx, xv, 0.0, 0.0, //
-            vx, vv, 0.0, 0.0, //
-            0.0, 0.0, 1.0, 0.0, //
-            0.0, 0.0, 0.0, 1.0,
-        )
-    }
-
-    fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
-        self.flight_tangent(from, h)
-    }
-
-    fn impact_matrix(&self, _wall: Wall, _approach: f64) -> Matrix4<f64> {
-        Matrix4::identity()
-    }
-
-    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
-        Matrix4::identity()
-    }
-}

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! where the loss is that of the impulse on each, which is the impulse times the mean of W at its begin and end. For
-//! free masses (λ = κ = c = 1) these are the formulas of [`crate::absorber::several::impact_law`]; the rule for the stuck ones is
+//! free masses (λ = κ = c = 1) these are the formulas of [`crate::absorber::modal::impact_law`] on one mode; the rule for the stuck ones is
 //! the same.
 
 use super::{Mixed, MixedState, Placed};

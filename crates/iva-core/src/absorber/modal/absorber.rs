@@ -1,7 +1,7 @@
 //! Several masses on a structure with modes, as the event loop asks for them.
 
 use super::state::Place;
-use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
+use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, wall_of};
 use crate::absorber::chatter::Back;
 use crate::absorber::{Aboard, Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
 use crate::error::Invalid;

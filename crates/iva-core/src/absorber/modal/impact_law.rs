@@ -18,8 +18,7 @@
 //! the set is never inconsistent. It is unique but for masses with neither impulse nor gap velocity, such as one at a
 //! node of all that moves; there all choices give the same velocities, and the mass stays stuck. The set is found by
 //! changing the first mass that breaks the rule, which ends for such matrices (K. G. Murty, Linear Algebra Appl. 7, 1974).
-//! On a structure of one mode the velocity gained has one sign, and the rule is that of
-//! [`crate::absorber::several::impact_law`].
+//! On a structure of one mode the velocity gained has one sign, whatever is carried, and so decides for each at once.
 //!
 //! Newton's law holds for each mass of I. If another impact at the very same instant throws the wall of a slow one away
 //! faster than it returns, its impulse may pull, as for several masses on one mode; with unlike e such an instant may

@@ -7,7 +7,7 @@
 use super::state::{Modes, Place};
 use super::{Modal, ModalMotion, ModalState};
 use crate::absorber::siva::coasts;
-use crate::absorber::{Aboard, Absorber as _, Clock, Coasted, OnStructure as _};
+use crate::absorber::{Aboard, Clock, Coasted, OnStructure as _};
 use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -42,7 +42,7 @@ impl<'a, R: Real, H: Host<Real = R>> Oscillating<'a, H> {
     }
 
     /// x from the middle of the motion, and ẋ.
-    fn from_middle<const M: usize>(&self, modes: &Modes<R, M>) -> Primary<R> {
+    fn about_middle<const M: usize>(&self, modes: &Modes<R, M>) -> Primary<R> {
         Primary { x: modes.places[0] - self.middle, v: modes.velocities[0] }
     }
 
@@ -135,7 +135,7 @@ impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
         length: R,
     ) -> Turns<R> {
         let Oscillating { structure, state, middle } = &self.begin;
-        let primary = self.begin.from_middle(&end.modes);
+        let primary = self.begin.about_middle(&end.modes);
         if !R::FAST_PATHS || state.primary.v.value * primary.v.value >= 0.0 {
             return Turns::Unknown;
         }
@@ -185,11 +185,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let [x, v] = [state.modes.places[0] - middle, state.modes.velocities[0]];
         let (primary, phase) = (Primary { x, v }, state.phase);
         let acceleration = released.unwrap_or_else(|| structure.acceleration(&phase, &primary));
-        Some(Oscillating {
-            structure,
-            state: HostState { primary, acceleration, phase },
-            middle,
-        })
+        Some(Oscillating { structure, state: HostState { primary, acceleration, phase }, middle })
     }
 
     /// As `Modal::shaken_now`, of a mass on an oscillator.
@@ -313,10 +309,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
                 let fallen = pull.times(h);
                 (curved, faster) = (curved + fallen.times(h).half(), faster + fallen);
             }
-            let [curved, faster] = [curved, faster].map(|sum| DoubleDouble {
-                value: side * sum.value,
-                rest: side * sum.rest,
-            });
+            let [curved, faster] = [curved, faster]
+                .map(|sum| DoubleDouble { value: side * sum.value, rest: side * sum.rest });
             place.distance = place.distance.plus_both(place.rate.times(h), curved);
             place.rate = place.rate + faster;
         }

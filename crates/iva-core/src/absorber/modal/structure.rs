@@ -1,7 +1,7 @@
 //! A structure by its modes: frequencies, damping, and mass-normalised shapes at named points.
 
-use super::MOST_MODES;
 use super::matrices::least_eigenvalue;
+use super::{MOST_MODES, PRIMARY};
 use crate::error::{Invalid, number};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -34,6 +34,15 @@ pub(super) enum Damping<R> {
 }
 
 impl<R: Real> ModalStructure<R> {
+    /// A structure that moves as one, of damping ratio ζ, in its own units, with the single point [`PRIMARY`].
+    ///
+    /// # Errors
+    /// [`Invalid`] for a damping ratio out of [`crate::range`].
+    pub fn moving_as_one(damping_ratio: R) -> Result<Self, Invalid> {
+        let one = [R::ONE];
+        Self::new(&one, &[damping_ratio])?.with_point(PRIMARY, &one)?.with_base(&one)
+    }
+
     /// Modes of frequencies ωⱼ ≥ 0 and damping ratios ζⱼ ≥ 0. One of frequency 0 is a motion that nothing holds or damps.
     ///
     /// # Errors

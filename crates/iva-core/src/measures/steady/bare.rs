@@ -4,11 +4,12 @@ use std::sync::atomic::AtomicBool;
 
 use super::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::absorber::Point;
-use crate::absorber::several::Alone;
+use crate::absorber::modal::{FEW, FewModes, ModalStart, ModalStructure, PRIMARY};
 use crate::engine::simulate::{Limits, simulate_from};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
 use crate::number::real::Real;
+use crate::segment::flight::GapPoint;
 
 impl<R: Real> Harmonic<R> {
     /// Amplitude of the steady state of an oscillator of damping ratio ζ under this force:
@@ -47,10 +48,13 @@ pub fn without_absorber<R: Real>(
         let amplitude = harmonic.response(damping_ratio);
         return Ok(Some(Bare { amplitude, rms: amplitude * R::from(0.5).sqrt() }));
     }
-    let alone = Alone::new(damping_ratio, [])?.under(force.clone());
+    let structure = ModalStructure::moving_as_one(damping_ratio)?;
+    let alone = FewModes::with_room(structure, &[])?.under(force.clone(), PRIMARY)?;
+    let unused = GapPoint { y: R::ZERO, w: R::ZERO };
+    let start = ModalStart::new(&[from.x], &[from.v], [unused; FEW])?;
     let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
-    simulate_from(&alone, &from.into(), begin, limits, cancel, &mut steady)?;
+    simulate_from(&alone, &start, begin, limits, cancel, &mut steady)?;
     let SteadyValues { amplitude_max, amplitude_rms, .. } = *steady.values();
     Ok(amplitude_max.zip(amplitude_rms).map(|(amplitude, rms)| Bare { amplitude, rms }))
 }
