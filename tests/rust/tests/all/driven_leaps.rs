@@ -24,6 +24,8 @@ type Driven = Modal<DrivenHost<f64>, 1>;
 fn driven(d: f64, part: f64, harmonics: &[Harmonic]) -> Driven {
     let structure = ModalStructure::new(&[1.0], &[0.0]).unwrap();
     let structure = structure.with_point("p", &[1.0]).unwrap().with_base(&[part]).unwrap();
+    // With a point that moves half as far the structure does not move as one, which would not leap.
+    let structure = structure.with_point("below", &[0.5]).unwrap();
     let system = Modal::new(structure, [(FreeMass::new(1e-28, 0.5, d).unwrap(), "p")]).unwrap();
     system.under(Force::harmonic(harmonics.to_vec()).unwrap(), "p").unwrap()
 }
@@ -82,6 +84,7 @@ fn impulses_and_many_harmonics_are_met() {
         let force = Force::new(harmonics.clone(), vec![], &impulses).unwrap();
         let structure = ModalStructure::new(&[1.0], &[0.0]).unwrap();
         let structure = structure.with_point("p", &[1.0]).unwrap();
+        let structure = structure.with_point("below", &[0.5]).unwrap();
         let mass = FreeMass::new(1e-28, 0.5, 500.0).unwrap();
         let system: Driven =
             Modal::new(structure, [(mass, "p")]).unwrap().under(force, "p").unwrap();

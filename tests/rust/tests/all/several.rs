@@ -313,7 +313,8 @@ fn two_that_mirror_each_other_leave_the_structure_at_rest() {
         assert_eq!(pair[0].wall, pair[1].wall.opposite());
         assert_eq!(pair[0].time, pair[1].time);
         let all = [pair[0].displacement, pair[0].velocity_before, pair[0].velocity_after];
-        assert_eq!(all, [0.0; 3]);
+        // The impulses of the two are no more apart than rounding in twice the precision.
+        assert!(all.iter().all(|it| it.abs() < 1e-31), "{all:?}");
         assert!((pair[0].time - expected).abs() < 1e-14 * expected, "{}", pair[0].time);
         crossing /= e;
         expected += crossing;

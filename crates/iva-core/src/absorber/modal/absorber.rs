@@ -1,7 +1,7 @@
 //! Several masses on a structure with modes, as the event loop asks for them.
 
 use super::state::Place;
-use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, wall_of};
+use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
 use crate::absorber::{Aboard, Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
 use crate::error::Invalid;
@@ -25,6 +25,28 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     fn is_sudden(&self, time: R) -> bool {
         let turned = time * self.whole.growth();
         time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
+    }
+
+    /// True if no other mass can meet a wall or stop within a time in which its point gains such a velocity, and A so much per velocity.
+    fn others_stay(
+        &self,
+        state: &ModalState<H, N, M>,
+        time: R,
+        kicked: impl Fn(usize) -> R,
+        growth: R,
+    ) -> bool {
+        let (at_hand, flight) = (self.index(state.at_hand.into()), self.flight(state));
+        (0..self.count).filter(|k| *k != at_hand).all(|k| {
+            // Where another mass slides, stops may come as well.
+            if self.friction[k] != 0.0 {
+                return false;
+            }
+            let (Place { distance, rate, stuck, .. }, kicked) = (state.places[k], kicked(k));
+            let shaken = flight.most_shaken(k) + kicked * growth;
+            let travel = time * (rate.value.abs() + kicked + shaken * time);
+            let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
+            !stuck && near > travel && gap - near > travel
+        })
     }
 }
 
@@ -76,8 +98,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     /// velocity.
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
         let (at_hand, mass, place) = self.at_hand_of(state);
+        if self.oscillates {
+            // All impulses together change the velocity of the structure by less than twice that of the mass.
+            return self.others_stay(state, time, |_| place.rate.value.abs() * 2.0, R::ZERO);
+        }
         // The bound of a power law has four times the change of the pressure, and a longer first rebound.
-        if !self.oscillates && !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
+        if !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
             return false;
         }
         let e = mass.law(place.side).restitution;
@@ -89,20 +115,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             shrinking * place.rate.value.abs()
         };
         let impulse = self.reduced(at_hand) * 2.0 * gained;
-        let flight = self.flight(state);
-        (0..self.count).filter(|k| *k != at_hand).all(|k| {
-            // Where another mass slides, stops may come as well.
-            if self.friction[k] != 0.0 {
-                return false;
-            }
-            let Place { distance, rate, stuck, .. } = state.places[k];
+        let kicked = |k: usize| {
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
-            let kicked = impulse * both.sqrt();
-            let shaken = flight.most_shaken(k) + kicked * self.whole.growth() * 2.0;
-            let travel = time * (rate.value.abs() + kicked + shaken * time);
-            let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
-            !stuck && near > travel && gap - near > travel
-        })
+            impulse * both.sqrt()
+        };
+        self.others_stay(state, time, kicked, self.whole.growth() * 2.0)
     }
 
     fn clearance(&self) -> R {
