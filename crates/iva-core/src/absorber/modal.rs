@@ -46,7 +46,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
+//! A structure that moves as one: `modal/oscillation.rs`. Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
 //! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
 
 use std::sync::OnceLock;
@@ -68,13 +68,17 @@ pub use structure::ModalStructure;
 pub use ties::Tie;
 
 use equations::{Regime, Stuck};
+use followed::Followed;
 use propagator::Leaps;
 use ties::Tied;
 
 mod absorber;
+mod bounds;
 mod columns;
 mod drive;
 mod equations;
+mod flight;
+mod followed;
 mod forms;
 mod friction;
 pub mod impact_law;
@@ -374,19 +378,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.tied[k].as_ref().map_or_else(|| self.shape(k), |tied| tied.shape.as_slice())
     }
 
-    /// What the curve of a mass is made of: the motion of its gap in flight, that of the point which has to carry it while it is stuck.
-    fn followed(&self, k: usize, place: &Place<R>) -> Followed<'_, R> {
-        let gravity = DoubleDouble::new(self.gravity[k]);
-        if place.carried() {
-            let constant = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
-            return Followed { shape: self.shape(k), with_base: true, constant };
-        }
-        // What reaches a tied mass reaches it by its coordinate.
-        let alone = self.tied[k].is_none();
-        let constant = if alone { self.pull(k, place) } else { DoubleDouble::ZERO };
-        Followed { shape: self.gap_shape(k), with_base: alone, constant }
-    }
-
     /// The mass at hand, and its place in its gap.
     fn at_hand_of(&self, state: &ModalState<H, N, M>) -> (usize, &FreeMass<R>, Place<R>) {
         let k = self.index(state.at_hand.into());
@@ -406,17 +397,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     fn total(&self) -> R {
         self.masses().iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
     }
-}
-
-/// A, as the curve of a mass is made of it.
-#[derive(Debug, Clone, Copy)]
-struct Followed<'a, R> {
-    /// Of the displacement that it is the second derivative of.
-    shape: &'a [R],
-    /// True if the acceleration of the base is part of it.
-    with_base: bool,
-    /// What gravity and the spring of a stuck mass add.
-    constant: DoubleDouble<R>,
 }
 
 /// φ·φ of two shapes.

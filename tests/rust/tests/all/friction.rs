@@ -292,7 +292,7 @@ fn a_block_on_a_shaking_floor_sticks_and_slips() {
             assert_eq!((b.kind, b.side), (a.kind, a.side));
             let off = f64::from((b.time - truth).abs());
             // The series of order 20 leave .375¹⁹/19! of A out of each step in these numbers; times the steepness of arcsin R.
-            assert!(off < 1e-24, "{friction} {k}: {off:e}");
+            assert!(off < 1e-28, "{friction} {k}: {off:e}");
             // The instant of a slip is as sensitive as arcsin R.
             let off = f64::from((truth - a.time).abs());
             let steep = 1.0 + 1.0 / f64::sqrt(1.0 - friction * friction);

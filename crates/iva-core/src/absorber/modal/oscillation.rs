@@ -12,7 +12,7 @@ use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{Jet, Losses, Rows, Travel, Turns};
+use crate::segment::flight::{Jet, Losses, Quantity, Rows, Travel, Turns};
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row};
 
@@ -41,9 +41,14 @@ impl<'a, R: Real, H: Host<Real = R>> Oscillating<'a, H> {
         [a, jerk, snap, crackle]
     }
 
-    /// x from the middle of the motion, and ẋ.
-    fn about_middle<const M: usize>(&self, modes: &Modes<R, M>) -> Primary<R> {
-        Primary { x: modes.places[0] - self.middle, v: modes.velocities[0] }
+    /// The structure at the end of a motion from here.
+    fn at<const N: usize, const M: usize>(
+        &self,
+        end: &ModalState<H, N, M>,
+    ) -> HostState<Phase<H>, R> {
+        let ([x, v], phase) = ([end.modes.places[0], end.modes.velocities[0]], end.phase);
+        let primary = Primary { x: x - self.middle, v };
+        HostState { primary, acceleration: self.structure.acceleration(&phase, &primary), phase }
     }
 
     /// The motion from here.
@@ -128,6 +133,20 @@ impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
         (until(ends[1]) - until(ends[0])) * step
     }
 
+    /// As [`Motion::largest`](crate::segment::flight::Motion::largest), in a motion to a state of the same structure.
+    pub(super) fn largest<const N: usize, const M: usize>(
+        &self,
+        (of, least): (Quantity, R),
+        length: R,
+        end: &ModalState<H, N, M>,
+    ) -> Option<R> {
+        let Oscillating { structure, state, middle } = &self.begin;
+        if middle.value != 0.0 {
+            return None;
+        }
+        structure.largest(of, least, (state, &self.course), &self.begin.at(end), length)
+    }
+
     /// Where x turns in a motion of this length to a state of the same structure.
     pub(super) fn turns<const N: usize, const M: usize>(
         &self,
@@ -135,12 +154,10 @@ impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
         length: R,
     ) -> Turns<R> {
         let Oscillating { structure, state, middle } = &self.begin;
-        let primary = self.begin.about_middle(&end.modes);
-        if !R::FAST_PATHS || state.primary.v.value * primary.v.value >= 0.0 {
+        let end = self.begin.at(end);
+        if !R::FAST_PATHS || state.primary.v.value * end.primary.v.value >= 0.0 {
             return Turns::Unknown;
         }
-        let (acceleration, phase) = (structure.acceleration(&end.phase, &primary), end.phase);
-        let end = HostState { primary, acceleration, phase };
         match structure.turns(state, &self.course, &end, length) {
             Turns::Once(h, x) => Turns::Once(h, x + middle.value),
             other => other,
