@@ -12,8 +12,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns;
-use super::lists::{DifferentiableList, Moved, place, tail_of};
-use crate::absorber::{Absorber, Point};
+use super::lists::{Moved, place};
+use crate::absorber::Point;
 use crate::host::oscillator::Equation;
 
 /// The linear structure and the masses on it.
@@ -31,23 +31,9 @@ pub struct LinearStructure {
     pub as_coordinates: Vec<(usize, usize)>,
 }
 
-/// Free masses on a linear structure, whose motion can be differentiated.
-pub trait LinearMasses: Absorber<Real = f64> {
-    /// What small differences obey.
-    fn linear(&self) -> LinearStructure;
-    /// Which masses the structure carries along in a state; `sticks`: the absorber at hand has come to rest on its wall.
-    fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
-    /// q̇, then q̈, then ẏ and ÿ of each mass, while these masses are carried.
-    fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
-    /// As [`DifferentiableList::slip_gradient`].
-    fn slip_gradient(&self, _state: &Self::State, _carried: &[bool]) -> Option<DVector<f64>> {
-        None
-    }
-}
-
 impl LinearStructure {
     /// Number of coordinates.
-    fn coordinates(&self) -> usize {
+    pub(in crate::absorber) fn coordinates(&self) -> usize {
         self.stiffness.nrows()
     }
 
@@ -62,7 +48,7 @@ impl LinearStructure {
     }
 
     /// The derivative of all variables with respect to q, q̇, y and ẏ at the begin, of which coordinates that are masses follow.
-    fn begin(&self) -> DMatrix<f64> {
+    pub(in crate::absorber) fn begin(&self) -> DMatrix<f64> {
         let mut begin = DMatrix::identity(self.variables(), self.variables());
         for (mass, coordinate) in &self.as_coordinates {
             let shape = &self.shapes[*mass];
@@ -105,7 +91,7 @@ impl LinearStructure {
     }
 
     /// The derivative of a motion of length h in which these masses are carried.
-    fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
+    pub(in crate::absorber) fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
         let n = self.coordinates();
         let structure = self.flow_of_structure(carried, h);
         let mut flow = DMatrix::identity(self.variables(), self.variables());
@@ -180,8 +166,12 @@ impl LinearStructure {
         [share, -damped]
     }
 
-    /// As [`DifferentiableList::roundings`]; x and ẋ of the structure at the end.
-    fn roundings<S>(&self, moved: &Moved<'_, S>, Point { x, v }: Point) -> DVector<f64> {
+    /// As [`super::lists::DifferentiableList::roundings`]; x and ẋ of the structure at the end.
+    pub(in crate::absorber) fn roundings<S>(
+        &self,
+        moved: &Moved<'_, S>,
+        Point { x, v }: Point,
+    ) -> DVector<f64> {
         let Moved { rates: [first, last], carried, length: h, .. } = *moved;
         let fastest = first.abs().sup(&last.abs());
         // A long motion may be fastest in between, up to the root mean square of its velocity.
@@ -216,8 +206,12 @@ impl LinearStructure {
         sizes
     }
 
-    /// As [`DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact.
-    fn impact_matrix(&self, struck: &[(usize, f64)], carried: [&[bool]; 2]) -> DMatrix<f64> {
+    /// As [`super::lists::DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact.
+    pub(in crate::absorber) fn impact_matrix(
+        &self,
+        struck: &[(usize, f64)],
+        carried: [&[bool]; 2],
+    ) -> DMatrix<f64> {
         let (n, size) = (self.coordinates(), self.variables());
         let [before, after] = carried;
         let mut jump = DMatrix::identity(size, size);
@@ -238,8 +232,8 @@ impl LinearStructure {
         jump
     }
 
-    /// As [`DifferentiableList::stick_matrix`], of this mass.
-    fn stick_matrix(&self, mass: usize, carried: &[bool]) -> DMatrix<f64> {
+    /// As [`super::lists::DifferentiableList::stick_matrix`], of this mass.
+    pub(in crate::absorber) fn stick_matrix(&self, mass: usize, carried: &[bool]) -> DMatrix<f64> {
         let (n, size) = (self.coordinates(), self.variables());
         let [share, damped] = self.stick(mass, carried);
         let [y, w] = self.of(mass);
@@ -255,70 +249,5 @@ impl LinearStructure {
         }
         (map[(y, y)], map[(w, w)]) = (0.0, 0.0);
         map
-    }
-}
-
-impl<S: LinearMasses> DifferentiableList for S {
-    const LINEAR: bool = true;
-
-    fn coordinates(&self) -> usize {
-        self.linear().coordinates()
-    }
-
-    fn derivative_at_begin(&self) -> DMatrix<f64> {
-        self.linear().begin()
-    }
-
-    fn carried(&self, state: &S::State, sticks: bool) -> Vec<bool> {
-        LinearMasses::carried(self, state, sticks)
-    }
-
-    fn rates(&self, state: &S::State, carried: &[bool]) -> DVector<f64> {
-        LinearMasses::rates(self, state, carried)
-    }
-
-    fn flow(&self, _from: &S::State, carried: &[bool], h: f64) -> DMatrix<f64> {
-        self.linear().flow(carried, h)
-    }
-
-    fn roundings(&self, moved: &Moved<'_, S::State>) -> DVector<f64> {
-        self.linear().roundings(moved, self.primary(moved.states[1]))
-    }
-
-    fn impact_matrix(
-        &self,
-        struck: &[usize],
-        [before, _]: [&S::State; 2],
-        carried: [&[bool]; 2],
-    ) -> DMatrix<f64> {
-        let slope = |k: &usize| {
-            let seen = self.turned_to(before, *k);
-            let approach = -self.distance(&seen).rate;
-            (*k, self.law_of(*k, self.wall(&seen), approach).slope)
-        };
-        let slopes: Vec<_> = struck.iter().map(slope).collect();
-        self.linear().impact_matrix(&slopes, carried)
-    }
-
-    fn stick_matrix(&self, state: &S::State, carried: &[bool]) -> DMatrix<f64> {
-        self.linear().stick_matrix(self.at_hand(state), carried)
-    }
-
-    fn slip_gradient(&self, state: &S::State, carried: &[bool]) -> Option<DVector<f64>> {
-        LinearMasses::slip_gradient(self, state, carried)
-    }
-
-    fn tail(&self, after: &S::State) -> f64 {
-        tail_of(self, after)
-    }
-
-    fn pressing(&self, absorber: usize, changes: &dyn Fn(usize) -> f64) -> f64 {
-        let linear = self.linear();
-        let n = linear.coordinates();
-        let of = |(j, phi): (usize, &f64)| {
-            let square = linear.stiffness[(j, j)];
-            phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
-        };
-        linear.shapes[absorber].iter().enumerate().map(of).sum()
     }
 }

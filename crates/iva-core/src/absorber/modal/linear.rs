@@ -6,10 +6,13 @@ use super::series::EXACT;
 use super::state::Place;
 use super::structure::Damping;
 use super::{Followed, Modal};
-use crate::absorber::derivatives::masses::{LinearMasses, LinearStructure};
+use crate::absorber::derivatives::lists::{DifferentiableList, Moved, tail_of};
+use crate::absorber::derivatives::masses::LinearStructure;
+use crate::absorber::{Absorber as _, ImpactLaw as _, OnStructure as _};
 use crate::host::Host;
 
-impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal<H, N, M> {
+impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// What small differences obey.
     fn linear(&self) -> LinearStructure {
         let n = self.whole.count();
         let own = self.whole.stiffness.iter().map(|square| square.value);
@@ -36,6 +39,14 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal
                 .filter_map(|k| Some((k, self.tied[k].as_ref()?.coordinate)))
                 .collect(),
         }
+    }
+}
+
+impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for Modal<H, N, M> {
+    const LINEAR: bool = true;
+
+    fn coordinates(&self) -> usize {
+        self.whole.count()
     }
 
     fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
@@ -86,5 +97,50 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> LinearMasses for Modal
         let mut gradient = linear.pull_on(&point, carried);
         gradient[linear.of(k)[0]] += self.tie(k).spring / self.masses[k].mass_ratio;
         Some(gradient / -rate)
+    }
+
+    fn derivative_at_begin(&self) -> DMatrix<f64> {
+        self.linear().begin()
+    }
+
+    fn flow(&self, _from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+        self.linear().flow(carried, h)
+    }
+
+    fn roundings(&self, moved: &Moved<'_, Self::State>) -> DVector<f64> {
+        self.linear().roundings(moved, self.primary(moved.states[1]))
+    }
+
+    fn impact_matrix(
+        &self,
+        struck: &[usize],
+        [before, _]: [&Self::State; 2],
+        carried: [&[bool]; 2],
+    ) -> DMatrix<f64> {
+        let slope = |k: &usize| {
+            let seen = self.turned_to(before, *k);
+            let approach = -self.distance(&seen).rate;
+            (*k, self.law_of(*k, self.wall(&seen), approach).slope)
+        };
+        let slopes: Vec<_> = struck.iter().map(slope).collect();
+        self.linear().impact_matrix(&slopes, carried)
+    }
+
+    fn stick_matrix(&self, state: &Self::State, carried: &[bool]) -> DMatrix<f64> {
+        self.linear().stick_matrix(self.at_hand(state), carried)
+    }
+
+    fn tail(&self, after: &Self::State) -> f64 {
+        tail_of(self, after)
+    }
+
+    fn pressing(&self, absorber: usize, changes: &dyn Fn(usize) -> f64) -> f64 {
+        let linear = self.linear();
+        let n = linear.coordinates();
+        let of = |(j, phi): (usize, &f64)| {
+            let square = linear.stiffness[(j, j)];
+            phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
+        };
+        linear.shapes[absorber].iter().enumerate().map(of).sum()
     }
 }
