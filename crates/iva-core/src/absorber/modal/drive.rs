@@ -1,7 +1,6 @@
 //! What drives the modes: the force at its point, harmonic forces at other points, the base, and gravity and friction as pulls; for power
 //! series, and for leaps.
 
-use super::equations::Regime;
 use super::propagator::{Feed, MOST_WAVES};
 use super::series::{EXACT, scaled};
 use super::{Modal, ModalState};
@@ -89,9 +88,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         own.map(|it| (it, self.pushed)).chain(elsewhere.map(|(point, it)| (it, *point)))
     }
 
-    /// What feeds the structure from a state on.
-    pub(super) fn feed(&self, state: &ModalState<H, N, M>) -> Feed<R, N> {
-        let Regime { pulls, .. } = self.regime(&state.places);
+    /// What feeds the structure from a state on, in which the masses pull so.
+    pub(super) fn feed(
+        &self,
+        state: &ModalState<H, N, M>,
+        pulls: [DoubleDouble<R>; N],
+    ) -> Feed<R, N> {
         let mut waves = [[DoubleDouble::ZERO; 2]; MOST_WAVES];
         if let Some(time) = self.host.time(&state.phase) {
             for (wave, (harmonic, _)) in waves.iter_mut().zip(self.waves()) {

@@ -110,7 +110,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         if let Some(it) = &self.oscillation {
             return it.turns(end, length);
         }
-        let never = self.system.never_turns([&self.from, end], length);
+        let never = self.system.never_turns(&self.regime, [&self.from, end], length);
         if never { Turns::Never } else { Turns::Unknown }
     }
 

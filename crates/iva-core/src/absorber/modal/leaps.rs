@@ -18,6 +18,7 @@
 //!
 //! Φ is made in `modal/propagator.rs`. Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
 
+use super::equations::Regime;
 use super::propagator::{Feed, Flown};
 use super::state::{Modes, Place};
 use super::structure::Damping;
@@ -127,12 +128,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// True if speeds and accelerations at both ends of a free flight prove that the point which a run sees does not turn in it.
-    pub(super) fn never_turns(&self, [from, to]: [&ModalState<H, N, M>; 2], length: R) -> bool {
+    pub(super) fn never_turns(
+        &self,
+        Regime { stuck, pulls }: &Regime<'_, R, N>,
+        [from, to]: [&ModalState<H, N, M>; 2],
+        length: R,
+    ) -> bool {
         let driven = self.host.force().is_some_and(Force::lasts);
         if !R::FAST_PATHS || driven || from.places[..self.count].iter().any(Place::carried) {
             return false;
         }
-        let (n, shape, feed) = (self.whole.count(), self.whole.shape(self.seen), self.feed(from));
+        let (n, shape, feed) =
+            (self.whole.count(), self.whole.shape(self.seen), self.feed(from, *pulls));
         let [begin, end] = [from, to].map(|state| Flown::of(&state.modes, n));
         let bent = self.bent::<4>(&begin, &feed);
         let [later] = self.bent::<1>(&end, &feed);
@@ -148,7 +155,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let sign = speed.signum();
         let ends = [[speed, bend], [last, last_bend]].map(|end| end.map(|it| sign * it));
         let followed = Followed { shape, with_base: false, constant: DoubleDouble::ZERO };
-        let stuck = self.regime(&from.places).stuck;
         let fifth = self.bound(|j| [bent[2][j], bent[3][j]], stuck, followed, 4, length);
         keeps_pressing(ends, size + last_size, fifth, length)
     }
@@ -213,7 +219,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         // Begin and end of a leap, in turns.
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();
-        let mut feed = self.feed(state);
+        let mut feed = self.feed(state, self.regime(&state.places).pulls);
         let driven = self.host.force().is_some_and(Force::lasts);
         let remaining = remaining.min(self.host.smooth_for(&state.phase));
         let mut lines = [Line::default(); N];
@@ -293,7 +299,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return (*state, Clock::ZERO);
         }
         let Some(leaps) = self.leaps() else { return (*state, Clock::ZERO) };
-        let mut feed = self.feed(state);
+        let mut feed = self.feed(state, self.regime(&state.places).pulls);
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         let mut flown = [Flown::of(&state.modes, n); 2];
         let [mut z, mut to] = flown.each_mut();

@@ -56,7 +56,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         }
         let leaps = system.leaps()?;
         let near = (h - leaps.shortest).abs() <= leaps.shortest * (R::EPSILON * SAME_ULPS);
-        if !near || system.regime(&from.places).pulls.iter().any(|pull| pull.value != 0.0) {
+        if !near || self.regime.pulls.iter().any(|pull| pull.value != 0.0) {
             return None;
         }
         let forms = leaps.forms.get_or_init(|| system.forms(leaps.shortest));
