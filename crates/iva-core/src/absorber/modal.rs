@@ -112,6 +112,10 @@ pub type FewModes<H> = Modal<H, FEW, FEW>;
 /// The name of the only point of a structure that moves as one.
 pub const PRIMARY: &str = "primary";
 
+/// Whether structures that do not move as one are simulated as well, and masses that are tied to their points: a program without them is
+/// kept small.
+const MODES: bool = cfg!(feature = "modes");
+
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
 pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
 
@@ -294,11 +298,22 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
-        Ok(driven.completed())
+        let driven = driven.completed();
+        if !(MODES || driven.oscillates) {
+            let rule = "give one that moves as one here";
+            return Err(Invalid::new("structure", "several modes", rule));
+        }
+        Ok(driven)
     }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// True if the structure moves as one oscillator, and nothing ties a mass to it.
+    #[inline(always)]
+    fn oscillates(&self) -> bool {
+        !MODES || self.oscillates
+    }
+
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
         let used = |k: usize| if k < self.count { self.gap_shape(k) } else { &[] };

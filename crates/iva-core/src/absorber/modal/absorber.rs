@@ -98,7 +98,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     /// velocity.
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
         let (at_hand, mass, place) = self.at_hand_of(state);
-        if self.oscillates {
+        if self.oscillates() {
             // All impulses together change the velocity of the structure by less than twice that of the mass.
             return self.others_stay(state, time, |_| place.rate.value.abs() * 2.0, R::ZERO);
         }
@@ -158,7 +158,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     const LEAPS: bool = true;
 
     fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
-        if !self.oscillates {
+        if !self.oscillates() {
             return self.leap(state, remaining);
         }
         // A run of the structure alone sees its motion as it is.
@@ -170,7 +170,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn coasted(&self, state: &Self::State, steps: usize) -> Coasted<Self::State, R> {
-        let steps_by = self.oscillates && (self.count == 0 || self.is_level());
+        let steps_by = self.oscillates() && (self.count == 0 || self.is_level());
         if steps_by { self.stepped(state, steps) } else { self.leapt(state, steps) }
     }
 

@@ -28,14 +28,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn state(&self, h: R) -> Self::State {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, false);
         }
         self.state_with(self.modal_series().modes(self.share(h), self.unit), h)
     }
 
     fn arrival(&self, h: R) -> Self::State {
-        match &self.oscillation {
+        match self.oscillation() {
             Some(it) => self.oscillated(it, h, true),
             None => self.state(h),
         }
@@ -63,7 +63,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
 
     /// Distances and rates of masses in flight are those of plain numbers.
     fn ahead(&self, h: R) -> Self::State {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, true);
         }
         let (system, from) = (self.system, &self.from);
@@ -95,7 +95,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn completed(&self, h: R, ahead: &Self::State) -> Self::State {
-        if self.oscillation.is_some() { *ahead } else { self.state_with(ahead.modes, h) }
+        if self.oscillation().is_some() { *ahead } else { self.state_with(ahead.modes, h) }
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {
@@ -107,7 +107,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.turns(end, length);
         }
         let never = self.system.never_turns(&self.regime, [&self.from, end], length);
@@ -115,7 +115,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn primary(&self, h: R) -> Jet<R> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.primary(h);
         }
         let (x, t, over) = (self.x(), self.share(h), R::ONE / self.unit);
@@ -128,7 +128,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn acceleration(&self, h: R) -> R {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.acceleration(h);
         }
         self.primary(h).curvature + horner(&self.base(), self.share(h))
@@ -138,7 +138,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         if absorber >= self.system.count {
             return None;
         }
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return Some(it.acceleration(h));
         }
         let constant = [self.system.gravity[absorber], self.system.friction[absorber]];
@@ -183,7 +183,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn square(&self, ends: [R; 2]) -> R {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.square(ends);
         }
         let x = at_nodes(&self.x().row(), &self.nodes(ends));
@@ -191,11 +191,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
-        self.oscillation.as_ref()?.largest((of, least), length, end)
+        self.oscillation()?.largest((of, least), length, end)
     }
 
     fn rows(&self) -> Option<Rows<R>> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.rows();
         }
         let (x, base) = (self.x().row(), self.base());
@@ -214,7 +214,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
 
     /// The structure is that at the point that the run sees, the absorber at its own point.
     fn travel_of(&self, absorber: usize) -> Option<Travel<R>> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return Some(self.travel_by(it, absorber));
         }
         let (k, rows) = (self.system.index(absorber), self.rows()?);
@@ -237,7 +237,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     type Sample = ModalState<H, N, M>;
 
     fn sample(&self, h: R) -> Self::Sample {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, false);
         }
         let k = self.at_hand();
@@ -263,7 +263,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         if begin.carried() {
             return DoubleDouble::new(self.jet(&self.sample(h)).value);
         }
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             let (pull, side) = (self.regime.pulls[k], begin.side);
             let bent = it.precise(h) + pull.times(h).times(h).half();
             let bent = DoubleDouble { value: side * bent.value, rest: side * bent.rest };

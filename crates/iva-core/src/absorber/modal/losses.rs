@@ -19,7 +19,7 @@ const SAME_ULPS: f64 = 16.0;
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// The losses of the first part of the motion, of length h.
     pub(super) fn lost(&self, h: R) -> Losses<R> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return self.lost_by(it, h);
         }
         if let Some([all, gaps]) = self.lost_in_leap(h) {

@@ -7,7 +7,7 @@ use super::equations::Regime;
 use super::oscillation::{Oscillating, Oscillation};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
-use super::{Modal, ModalState};
+use super::{MODES, Modal, ModalState};
 use crate::absorber::Clock;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -28,7 +28,7 @@ pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
     pub(super) regime: Regime<'a, H::Real, N>,
     pub(super) from: ModalState<H, N, M>,
     /// That of the structure, where it moves as one.
-    pub(super) oscillation: Option<Oscillation<'a, H>>,
+    oscillation: Option<Oscillation<'a, H>>,
     /// Unit of time of the series: a power of two.
     pub(super) unit: H::Real,
     pub(super) reach: H::Real,
@@ -65,6 +65,15 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
         Self { system, regime, from: *from, oscillation, unit, reach, expansion, seen }
+    }
+
+    /// That of the structure, where it moves as one.
+    #[inline(always)]
+    pub(super) fn oscillation(&self) -> Option<&Oscillation<'a, H>> {
+        match &self.oscillation {
+            None if !MODES => unreachable!("structures of this kind are not built"),
+            oscillation => oscillation.as_ref(),
+        }
     }
 
     fn expansion(&self) -> &Expansion<R, N> {
@@ -133,7 +142,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// A bound on |A| of a mass.
     pub(super) fn most_shaken(&self, k: usize) -> R {
         let followed = self.system.followed(k, &self.from.places[k]);
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.bound(1) + followed.constant.value.abs();
         }
         self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
@@ -141,7 +150,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     /// A bound on the derivative n − 1 of A of the absorber at hand, n > 1.
     pub(super) fn fourth_of(&self, n: usize) -> R {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return it.bound(n);
         }
         let (k, begin) = self.begun();
@@ -176,7 +185,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// The place of a mass at h. Its accelerations are those that its curve needs.
     #[inline(always)]
     pub(super) fn place(&self, k: usize, h: R) -> Place<R> {
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, false).places[k];
         }
         let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));

@@ -183,7 +183,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// The structure as an oscillator; `None` if it is none.
     #[inline(always)]
     pub(super) fn oscillating(&self, state: &ModalState<H, N, M>) -> Option<Oscillating<'_, H>> {
-        if !self.oscillates {
+        if !self.oscillates() {
             return None;
         }
         let structure = self.with_carried(&state.places);

@@ -61,7 +61,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
 
     /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
     fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
-        if self.oscillation.is_some() {
+        if self.oscillation().is_some() {
             // It is a difference to twice the precision.
             return self.magnitude();
         }
@@ -78,7 +78,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     #[inline(always)]
     pub(super) fn approach(&self, k: usize, h: R) -> [R; 3] {
         let Place { side, distance, rate, .. } = &self.from.places[k];
-        let [bent, gained, bend] = if let Some(it) = &self.oscillation {
+        let [bent, gained, bend] = if let Some(it) = self.oscillation() {
             let ([curved, faster, a], pull) = (it.ahead(h), self.regime.pulls[k].value);
             [(pull * h).mul_add(h * 0.5, curved), pull.mul_add(h, faster), a + pull]
         } else {
@@ -93,7 +93,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     /// The third derivative of that distance.
     pub(super) fn turned(&self, k: usize, h: R) -> R {
         let side = self.from.places[k].side;
-        if let Some(it) = &self.oscillation {
+        if let Some(it) = self.oscillation() {
             return side * it.jerk(h);
         }
         let [_, jerk] = self.curved(k).bends(self.share(h));
