@@ -112,9 +112,8 @@ pub type FewModes<H> = Modal<H, FEW, FEW>;
 /// The name of the only point of a structure that moves as one.
 pub const PRIMARY: &str = "primary";
 
-/// Whether structures that do not move as one are simulated as well, and masses that are tied to their points: a program without them is
-/// kept small.
-const MODES: bool = cfg!(feature = "modes");
+/// Whether there are masses, and structures that do not move as one: a program without them is kept small.
+const SYSTEMS: bool = cfg!(feature = "systems");
 
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
 pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
@@ -197,7 +196,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         structure: ModalStructure<R>,
         masses: &[(FreeMass<R>, &str)],
     ) -> Result<Self, Invalid> {
-        let (count, most) = (masses.len(), MOST.min(N));
+        let (count, most) = (masses.len(), if SYSTEMS { MOST.min(N) } else { 0 });
         if count > most || N == 0 {
             let rule = format!("give from 1 to {most} absorbers");
             return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
@@ -242,7 +241,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// # Errors
     /// [`Invalid`] for a number out of [`crate::range`], and for numbers that are not as many as masses.
     pub fn with_gravity(mut self, gravity: &[R]) -> Result<Self, Invalid> {
-        structure::same("absorber.gravity", gravity.len(), self.count)?;
+        structure::same("absorber.gravity", gravity.len(), self.count())?;
         for (k, (own, given)) in self.gravity.iter_mut().zip(gravity).enumerate() {
             range::size(&format!("absorber.{k}.gravity"), *given)?;
             *own = *given;
@@ -299,7 +298,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             leaps: OnceLock::new(),
         };
         let driven = driven.completed();
-        if !(MODES || driven.oscillates) {
+        if !(SYSTEMS || driven.oscillates) {
             let rule = "give one that moves as one here";
             return Err(Invalid::new("structure", "several modes", rule));
         }
@@ -308,24 +307,30 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// Number of masses.
+    #[inline(always)]
+    fn count(&self) -> usize {
+        if SYSTEMS { self.count } else { 0 }
+    }
+
     /// True if the structure moves as one oscillator, and nothing ties a mass to it.
     #[inline(always)]
     fn oscillates(&self) -> bool {
-        !MODES || self.oscillates
+        !SYSTEMS || self.oscillates
     }
 
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
-        let used = |k: usize| if k < self.count { self.gap_shape(k) } else { &[] };
+        let used = |k: usize| if k < self.count() { self.gap_shape(k) } else { &[] };
         let shapes: [&[R]; N] = std::array::from_fn(used);
         let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         self.mobility = mobility;
-        self.stuck = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
+        self.stuck = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
         let untied = self.tied.iter().all(Option::is_none) && self.whole.moves_as_one();
         let alone = self.host.force().is_none_or(|force| force.elsewhere().is_empty());
         self.oscillates = untied && alone && (self.is_level() || !self.host.moves_base());
-        self.carrying = (0..1_usize << self.count).map(|_| OnceLock::new()).collect();
+        self.carrying = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
         self
@@ -361,17 +366,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// G along the line of motion of a mass; `None` without such a mass.
     pub fn gravity_of(&self, mass: usize) -> Option<R> {
-        self.gravity[..self.count].get(mass).copied()
+        self.gravity[..self.count()].get(mass).copied()
     }
 
     /// The masses.
     pub fn masses(&self) -> &[FreeMass<R>] {
-        &self.masses[..self.count]
+        &self.masses[..self.count()]
     }
 
     /// The index of an absorber; without any that of a place which no wall is near.
     fn index(&self, absorber: usize) -> usize {
-        absorber.min(self.count.max(1) - 1)
+        absorber.min(self.count().max(1) - 1)
     }
 
     /// Gap displacement and velocity of each absorber.
@@ -402,8 +407,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// What the equations of the modes are while the masses have these places.
     fn regime(&self, places: &[Place<R>; N]) -> Regime<'_, R, N> {
         let carried = |k: &usize| places[*k].carried();
-        let set: usize = (0..self.count).filter(carried).map(|k| 1 << k).sum();
-        let made = || self.stuck_set((0..self.count).filter(carried).collect());
+        let set: usize = (0..self.count()).filter(carried).map(|k| 1 << k).sum();
+        let made = || self.stuck_set((0..self.count()).filter(carried).collect());
         let pulls = std::array::from_fn(|k| self.pull(k, &places[k]));
         Regime { stuck: self.stuck[set].get_or_init(made), pulls }
     }

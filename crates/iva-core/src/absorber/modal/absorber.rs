@@ -36,7 +36,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         growth: R,
     ) -> bool {
         let (at_hand, flight) = (self.index(state.at_hand.into()), self.flight(state));
-        (0..self.count).filter(|k| *k != at_hand).all(|k| {
+        (0..self.count()).filter(|k| *k != at_hand).all(|k| {
             // Where another mass slides, stops may come as well.
             if self.friction[k] != 0.0 {
                 return false;
@@ -62,7 +62,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         H: 'a;
 
     fn absorbers(&self) -> usize {
-        self.count
+        self.count()
     }
 
     fn at_hand(&self, state: &Self::State) -> usize {
@@ -128,7 +128,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn walls_reachable(&self) -> bool {
-        self.count > 0
+        self.count() > 0
     }
 
     fn clearance_of(&self, absorber: usize) -> R {
@@ -162,7 +162,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             return self.leap(state, remaining);
         }
         // A run of the structure alone sees its motion as it is.
-        if self.count == 0 || self.is_level() {
+        if self.count() == 0 || self.is_level() {
             self.steps_ahead(state, remaining)
         } else {
             self.leap(state, remaining)
@@ -170,7 +170,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn coasted(&self, state: &Self::State, steps: usize) -> Coasted<Self::State, R> {
-        let steps_by = self.oscillates() && (self.count == 0 || self.is_level());
+        let steps_by = self.oscillates() && (self.count() == 0 || self.is_level());
         if steps_by { self.stepped(state, steps) } else { self.leapt(state, steps) }
     }
 
@@ -185,7 +185,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
         let (k, _, Place { side, distance, rate, stuck, .. }) = self.at_hand_of(state);
-        if self.count == 0 {
+        if self.count() == 0 {
             let value = if self.primary(state).x.is_finite() { R::ONE } else { R::NAN };
             return Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO };
         }
@@ -202,7 +202,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn approach_of(&self, state: &Self::State, absorber: usize) -> [R; 2] {
-        let place = state.places.get(absorber).filter(|_| absorber < self.count);
+        let place = state.places.get(absorber).filter(|_| absorber < self.count());
         place.map_or([R::ONE, R::ZERO], |place| [place.distance.value, place.rate.value])
     }
 
@@ -214,7 +214,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
         let met = met.moved(later, acceleration);
         let mut touching = self.moved(state, later, &|k| k == at_hand);
-        for (k, place) in touching.places[..self.count].iter_mut().enumerate() {
+        for (k, place) in touching.places[..self.count()].iter_mut().enumerate() {
             if k == at_hand {
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
             } else if !place.carried() {
@@ -252,7 +252,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             };
             k == at_hand || (state.places[k].stuck && ends())
         };
-        let leaves: [bool; N] = std::array::from_fn(|k| k < self.count && leaves(k));
+        let leaves: [bool; N] = std::array::from_fn(|k| k < self.count() && leaves(k));
         let mut after = self.moved(state, later, &|k| leaves[k]);
         after.renew();
         for (place, leaves) in after.places.iter_mut().zip(leaves) {

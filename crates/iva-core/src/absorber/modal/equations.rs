@@ -66,7 +66,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         rhs: [DoubleDouble<R>; N],
     ) -> [DoubleDouble<R>; N] {
         let (mut masses, mut count) = ([0; N], 0);
-        for k in (0..self.count).filter(|k| included[*k]) {
+        for k in (0..self.count()).filter(|k| included[*k]) {
             masses[count] = k;
             count += 1;
         }
@@ -293,7 +293,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let mut moved = *state;
             moved.renew();
             Self::soon(&it, &mut moved, time);
-            for (k, place) in moved.places[..self.count].iter_mut().enumerate() {
+            for (k, place) in moved.places[..self.count()].iter_mut().enumerate() {
                 if !chosen(k) {
                     *place = place.moved(time, self.shaken_by(&it, self.pull(k, place))[0]);
                 }
@@ -312,7 +312,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             moved.modes.velocities[j] = moved.modes.velocities[j].plus(acceleration * time);
         }
         moved.phase = self.host.free().later(&state.phase, time);
-        for k in (0..self.count).filter(|k| !chosen(*k)) {
+        for k in (0..self.count()).filter(|k| !chosen(*k)) {
             let place = &mut moved.places[k];
             let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 2));
             *place = place.moved(time, curved.plain(2) * 2.0);

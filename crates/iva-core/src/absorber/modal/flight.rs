@@ -43,7 +43,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
 
     /// Of one mass; several are asked one by one. A structure alone meets no wall in any finite motion.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
-        if self.system.count == 0 {
+        if self.system.count() == 0 {
             let (end, later, meets) = (self.arrival(length), R::ZERO, Meets::Nothing);
             let finite = self.system.energy(&end).is_finite();
             return finite.then_some(FastFlight { length, later, end, meets });
@@ -69,7 +69,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         let (system, from) = (self.system, &self.from);
         let modes = self.modal_series().modes(self.share(h), self.unit);
         let mut ahead = ModalState { modes, ..*from };
-        for k in 0..system.count {
+        for k in 0..system.count() {
             let place = &from.places[k];
             let rubs = system.friction[k] != 0.0;
             ahead.places[k] = if place.carried() || rubs || system.host.moves_base() {
@@ -135,7 +135,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn acceleration_at(&self, absorber: usize, h: R) -> Option<R> {
-        if absorber >= self.system.count {
+        if absorber >= self.system.count() {
             return None;
         }
         if let Some(it) = self.oscillation() {
@@ -155,7 +155,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn absorbers(&self) -> usize {
-        self.system.count
+        self.system.count()
     }
 
     fn gap_of(&self, absorber: usize, h: R) -> GapPoint<R> {

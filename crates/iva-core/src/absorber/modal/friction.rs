@@ -35,7 +35,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// # Errors
     /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
     pub fn with_friction(mut self, friction: &[R]) -> Result<Self, Invalid> {
-        same("absorber.friction", friction.len(), self.count)?;
+        same("absorber.friction", friction.len(), self.count())?;
         for (k, (own, given)) in self.friction.iter_mut().zip(friction).enumerate() {
             let field = format!("absorber.{k}.friction");
             range::size(&field, *given)?;
@@ -54,7 +54,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// # Errors
     /// [`Invalid`] for a number smaller than the deceleration of a slide or out of [`crate::range`], for one without friction, and for numbers that are not as many as masses.
     pub fn with_static_friction(mut self, static_friction: &[R]) -> Result<Self, Invalid> {
-        same("absorber.static_friction", static_friction.len(), self.count)?;
+        same("absorber.static_friction", static_friction.len(), self.count())?;
         let all = self.static_friction.iter_mut().zip(&self.friction).zip(static_friction);
         for (k, ((own, sliding), given)) in all.enumerate() {
             let field = format!("absorber.{k}.static_friction");
@@ -106,13 +106,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let rests: [bool; N] = std::array::from_fn(|k| {
             let place = &state.places[k];
             let inside = place.distance.value > 0.0 && !place.stuck;
-            k < self.count && self.friction[k] != 0.0 && inside && place.rate.value == 0.0
+            k < self.count() && self.friction[k] != 0.0 && inside && place.rate.value == 0.0
         });
         if !rests.contains(&true) {
             return;
         }
-        for _ in 0..4_usize << (2 * self.count) {
-            let Some((k, sliding)) = (0..self.count)
+        for _ in 0..4_usize << (2 * self.count()) {
+            let Some((k, sliding)) = (0..self.count())
                 .filter(|k| rests[*k])
                 .find_map(|k| self.broken(state, k).map(|sliding| (k, sliding)))
             else {
@@ -233,7 +233,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// Σ μ R |Δy| of all masses that slide between two states.
     pub(super) fn rubbed_by_all(&self, [from, to]: [&ModalState<H, N, M>; 2]) -> R {
         let sliding = |k: &usize| self.rubbing(*k, &from.places[*k]) != 0.0;
-        (0..self.count).filter(sliding).fold(R::ZERO, |sum, k| {
+        (0..self.count()).filter(sliding).fold(R::ZERO, |sum, k| {
             let way = (to.places[k].distance - from.places[k].distance).value.abs();
             (self.masses[k].mass_ratio * self.friction[k]).mul_add(way, sum)
         })

@@ -55,7 +55,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     fn struck(&self, state: &ModalState<H, N, M>) -> [Option<R>; N] {
         std::array::from_fn(|k| {
             let Place { side, distance, rate, stuck, .. } = state.places[k];
-            let strikes = k < self.count && !stuck && distance.value == 0.0 && rate.value < 0.0;
+            let strikes = k < self.count() && !stuck && distance.value == 0.0 && rate.value < 0.0;
             strikes.then(|| self.masses[k].law_for(side, -rate.value).restitution)
         })
     }
@@ -81,7 +81,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         });
         let mut impulses = [DoubleDouble::ZERO; N];
         // No set comes twice; rounding could let two alternate that differ by nothing.
-        for _ in 0..2_usize << self.count {
+        for _ in 0..2_usize << self.count() {
             let included = std::array::from_fn(|k| struck[k].is_some() || carried[k]);
             impulses = self.impulses(included, rhs);
             let breaks = |k: &usize| {
@@ -94,7 +94,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                         side * (self.pushed_by(*k, &impulses) + outside[*k]).value < 0.0
                     }
             };
-            if let Some(k) = (0..self.count).find(breaks) {
+            if let Some(k) = (0..self.count()).find(breaks) {
                 carried[k] = !carried[k];
                 continue;
             }
@@ -110,7 +110,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
                 pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
             };
-            let Some(k) = (0..self.count).find(hopping) else { break };
+            let Some(k) = (0..self.count()).find(hopping) else { break };
             (hops[k], carried[k]) = (true, true);
         }
         Blow { impulses, carried }
@@ -125,7 +125,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> ModalState<H, N, M> {
         let mut after = *state;
         after.renew();
-        for k in 0..self.count {
+        for k in 0..self.count() {
             let place = &mut after.places[k];
             place.stuck &= blow.carried[k];
             if place.stuck {
@@ -139,7 +139,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             place.rate = place.rate.plus_parts(value, rest);
             *place = self.directed(k, place);
         }
-        for (k, impulse) in blow.impulses[..self.count].iter().enumerate() {
+        for (k, impulse) in blow.impulses[..self.count()].iter().enumerate() {
             after.modes.push(self.gap_shape(k), *impulse);
         }
         if let Some(impulse) = outside {

@@ -135,7 +135,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         length: R,
     ) -> bool {
         let driven = self.host.force().is_some_and(Force::lasts);
-        if !R::FAST_PATHS || driven || from.places[..self.count].iter().any(Place::carried) {
+        if !R::FAST_PATHS || driven || from.places[..self.count()].iter().any(Place::carried) {
             return false;
         }
         let (n, shape, feed) =
@@ -174,7 +174,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             self.bound(of, free, self.followed(k, &state.places[k]), n, length)
         };
         let [mut thirds, mut fourths] = [[R::ZERO; N]; 2];
-        for k in 0..self.count {
+        for k in 0..self.count() {
             fourths[k] = bound(k, 3);
             if self.friction[k] != 0.0 {
                 thirds[k] = bound(k, 2);
@@ -213,7 +213,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if !R::FAST_PATHS {
             return none;
         }
-        let carried = state.places[..self.count].iter().any(Place::carried);
+        let carried = state.places[..self.count()].iter().any(Place::carried);
         let Some(leaps) = self.leaps().filter(|_| !carried) else { return none };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         // Begin and end of a leap, in turns.
@@ -226,7 +226,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let [mut thirds, mut fourths] =
             if driven { [[R::ZERO; N]; 2] } else { self.bounds(state, z, &feed, R::ZERO) };
         let mut now = [Sight::default(); N];
-        for k in 0..self.count {
+        for k in 0..self.count() {
             let (place, shape) = (&state.places[k], self.gap_shape(k));
             let still = Line {
                 side: place.side,
@@ -255,7 +255,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 let end = leaps.shortest * (count + (1 << level)) as f64;
                 if end < remaining {
                     leaps.levels[level].apply((n, separate), z, to, &feed);
-                    let clear = (0..self.count).all(|k| {
+                    let clear = (0..self.count()).all(|k| {
                         then[k] = self.sight(self.gap_shape(k), &lines[k], end, to);
                         let ends = [now[k].distance, then[k].distance];
                         let clearance = self.masses[k].clearance;
@@ -325,7 +325,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let modes = z.modes(self.whole.count());
         let phase = self.host.waited(&from.phase, time);
         let mut state = ModalState { modes, phase, ..*from };
-        for k in 0..self.count {
+        for k in 0..self.count() {
             state.places[k] = self.place_after(from, k, (&modes, z.base), time);
         }
         state

@@ -31,11 +31,11 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
         LinearStructure {
             stiffness,
             damping,
-            shapes: (0..self.count)
+            shapes: (0..self.count())
                 .map(|k| DVector::from_column_slice(self.gap_shape(k)))
                 .collect(),
-            lightness: (0..self.count).map(|k| self.lightness(k).value).collect(),
-            as_coordinates: (0..self.count)
+            lightness: (0..self.count()).map(|k| self.lightness(k).value).collect(),
+            as_coordinates: (0..self.count())
                 .filter_map(|k| Some((k, self.tied[k].as_ref()?.coordinate)))
                 .collect(),
         }
@@ -50,7 +50,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
     }
 
     fn carried(&self, state: &Self::State, _sticks: bool) -> Vec<bool> {
-        state.places[..self.count].iter().map(Place::carried).collect()
+        state.places[..self.count()].iter().map(Place::carried).collect()
     }
 
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
@@ -64,7 +64,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         let regime = self.regime(&places);
         let rows = self.series(&state.modes, &regime, (&pushes, &asides), 1.0, (2, EXACT));
         let n = self.whole.count();
-        let mut rates = DVector::zeros(2 * (n + self.count));
+        let mut rates = DVector::zeros(2 * (n + self.count()));
         for j in 0..n {
             rates[j] = state.modes.velocities[j].value;
             rates[n + j] = 2.0 * rows.plain(j, 2);

@@ -51,7 +51,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     fn lost_in_leap(&self, h: R) -> Option<[R; 2]> {
         let Self { system, from, .. } = self;
         let driven = system.host.force().is_some_and(Force::lasts);
-        if !R::FAST_PATHS || driven || from.places[..system.count].iter().any(Place::carried) {
+        if !R::FAST_PATHS || driven || from.places[..system.count()].iter().any(Place::carried) {
             return None;
         }
         let leaps = system.leaps()?;
@@ -80,7 +80,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
 
     /// The mean of Σ c ẏ² of the dashpots in the gaps.
     fn lost_in_gaps(&self, rates: &[AtNodes<R>]) -> R {
-        let flying = (0..self.system.count).filter(|k| !self.from.places[*k].carried());
+        let flying = (0..self.system.count()).filter(|k| !self.from.places[*k].carried());
         let tied = flying.filter_map(|k| self.system.tied[k].as_ref());
         tied.fold(R::ZERO, |sum, tied| {
             let speed = along(&tied.shape, rates);

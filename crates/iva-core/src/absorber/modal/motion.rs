@@ -7,7 +7,7 @@ use super::equations::Regime;
 use super::oscillation::{Oscillating, Oscillation};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
-use super::{MODES, Modal, ModalState};
+use super::{Modal, ModalState, SYSTEMS};
 use crate::absorber::Clock;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -71,7 +71,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     #[inline(always)]
     pub(super) fn oscillation(&self) -> Option<&Oscillation<'a, H>> {
         match &self.oscillation {
-            None if !MODES => unreachable!("structures of this kind are not built"),
+            None if !SYSTEMS => unreachable!("structures of this kind are not built"),
             oscillation => oscillation.as_ref(),
         }
     }
@@ -233,7 +233,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     pub(super) fn state_with(&self, modes: Modes<R, M>, h: R) -> ModalState<H, N, M> {
         let (system, from) = (self.system, &self.from);
         let mut places = from.places;
-        for (k, place) in places[..system.count].iter_mut().enumerate() {
+        for (k, place) in places[..system.count()].iter_mut().enumerate() {
             let near = place.distance.value <= system.masses[k].clearance * NEAR
                 || system.friction[k] != 0.0;
             *place = if place.carried() {

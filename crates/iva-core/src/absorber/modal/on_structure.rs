@@ -70,7 +70,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
 
     /// A structure alone is measured as it moves.
     fn sinusoidal(&self) -> Option<Sinusoidal> {
-        let logged = self.oscillates() && self.count > 0 && self.is_level();
+        let logged = self.oscillates() && self.count() > 0 && self.is_level();
         self.host.sinusoidal().filter(|_| logged)
     }
 
@@ -80,7 +80,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
         let kicked = ModalState { phase, ..*state };
         let mut after = self.blown(&kicked, DoubleDouble::new(velocity));
         self.settle(&mut after);
-        if self.count > 1 {
+        if self.count() > 1 {
             return after;
         }
         // The event loop asks for one mass only whether it presses on its wall still.

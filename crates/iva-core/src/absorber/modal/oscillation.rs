@@ -169,12 +169,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// The structure with the masses that it carries in a state.
     fn with_carried(&self, places: &[Place<R>; N]) -> &H::Structure {
         let carried = |k: &usize| places[*k].carried();
-        let set: usize = (0..self.count).filter(carried).map(|k| 1 << k).sum();
+        let set: usize = (0..self.count()).filter(carried).map(|k| 1 << k).sum();
         if set == 0 {
             return self.host.free();
         }
         let mass = || {
-            let carried = (0..self.count).filter(carried);
+            let carried = (0..self.count()).filter(carried);
             carried.fold(R::ZERO, |sum, k| sum + self.masses[k].mass_ratio)
         };
         self.carrying[set].get_or_init(|| Box::new(self.host.carrying(mass()))).loaded()
@@ -189,7 +189,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let structure = self.with_carried(&state.places);
         let mut middle = DoubleDouble::ZERO;
         let mut released = None;
-        for (k, place) in state.places[..self.count].iter().enumerate() {
+        for (k, place) in state.places[..self.count()].iter().enumerate() {
             let pull = self.pull(k, place);
             // At a release the acceleration is set to 0 without rounding.
             if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
@@ -232,7 +232,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// True if nothing pulls at masses but their walls.
     pub(super) fn is_level(&self) -> bool {
-        let pulls = self.gravity[..self.count].iter().chain(&self.friction[..self.count]);
+        let pulls = self.gravity[..self.count()].iter().chain(&self.friction[..self.count()]);
         pulls.into_iter().all(|pull| *pull == 0.0)
     }
 
@@ -242,8 +242,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         state: &ModalState<H, N, M>,
         remaining: R,
     ) -> (usize, Coasted<ModalState<H, N, M>, R>) {
-        let flies = !state.places[..self.count].iter().any(Place::carried);
-        let steps = self.host.steps().filter(|_| flies && self.count > 0);
+        let flies = !state.places[..self.count()].iter().any(Place::carried);
+        let steps = self.host.steps().filter(|_| flies && self.count() > 0);
         let Some(steps) = steps else { return (0, (*state, Clock::ZERO)) };
         let primary = Primary { x: state.modes.places[0], v: state.modes.velocities[0] };
         let time = remaining.min(self.host.smooth_for(&state.phase)).double();
@@ -270,7 +270,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         after.renew();
         after.phase = self.host.waited(&state.phase, time);
         (after.modes.places[0], after.modes.velocities[0]) = (to.x, to.v);
-        for place in &mut after.places[..self.count] {
+        for place in &mut after.places[..self.count()] {
             [place.distance, place.rate] =
                 coasts::drifted([&primary, &to], place.side, [place.distance, place.rate], time);
         }
@@ -314,7 +314,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         modes.velocities[0] = to.primary.v;
         let mut after = ModalState { modes, places: self.from.places, phase: to.phase, at_hand };
         let [a, jerk, snap, crackle] = Oscillating::<H>::derivatives(structure, &to);
-        for (k, place) in after.places[..system.count].iter_mut().enumerate() {
+        for (k, place) in after.places[..system.count()].iter_mut().enumerate() {
             let (pull, side) = (self.regime.pulls[k], place.side);
             let felt = if pull.value == 0.0 { a } else { (to.acceleration + pull).value };
             place.shaken = Some([felt, jerk, snap, crackle]);

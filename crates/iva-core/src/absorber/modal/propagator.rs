@@ -302,7 +302,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let columns = if separate { 2 } else { 2 * n };
         let size = columns * 2 * n;
         let (high, low) = (vec![R::ZERO; size], vec![R::ZERO; size]);
-        let (falls, waves) = (vec![vec![]; self.count], vec![]);
+        let (falls, waves) = (vec![vec![]; self.count()], vec![]);
         let mut whole = Propagator { length, high, low, falls, waves };
         let ends = |modes: &Modes<R, M>,
                     regime: &Regime<'_, R, N>,
@@ -324,7 +324,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 }
             }
         }
-        for k in (0..self.count).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
+        for k in (0..self.count()).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
             let mut pulled = free;
             pulled.pulls[k] = DoubleDouble::new(R::ONE);
             whole.falls[k] = column(&ends(&Modes::REST, &pulled, &still, &[]), n);

@@ -80,7 +80,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.positions(&mut velocities, |k| start.gaps[k].w);
         let modes = Modes { places, velocities };
         let mut state = ModalState { modes, places: [Place::FAR; N], phase, at_hand: 0 };
-        for (k, GapPoint { y, w }) in start.gaps.into_iter().take(self.count).enumerate() {
+        for (k, GapPoint { y, w }) in start.gaps.into_iter().take(self.count()).enumerate() {
             let [_, v] = modes.of_point(self.shape(k));
             let shaken = self.shaken(&state, k);
             let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));

@@ -74,12 +74,12 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// [`Invalid`] for a negative number or one out of [`crate::range`], for ties that are not as many as masses, and if modes
     /// and tied masses are more than M.
     pub fn with_ties(self, ties: &[Tie<R>]) -> Result<Self, Invalid> {
-        super::structure::same("absorber.spring", ties.len(), self.count)?;
+        super::structure::same("absorber.spring", ties.len(), self.count())?;
         for (k, tie) in ties.iter().enumerate() {
             tie.check(k)?;
         }
         let own = self.whole.count();
-        let coupled: Vec<usize> = (0..self.count).filter(|k| ties[*k] != Tie::NONE).collect();
+        let coupled: Vec<usize> = (0..self.count()).filter(|k| ties[*k] != Tie::NONE).collect();
         let count = own + coupled.len();
         if count > M {
             let rule = format!("modes and masses with a spring or dashpot are {M} at most");
