@@ -61,6 +61,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     where
         H: 'a;
 
+    #[inline(always)]
     fn absorbers(&self) -> usize {
         self.count()
     }
@@ -127,6 +128,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         smallest.unwrap_or(R::ONE)
     }
 
+    #[inline(always)]
     fn walls_reachable(&self) -> bool {
         self.count() > 0
     }
@@ -208,6 +210,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
 
     /// Other masses that are about to meet their walls touch them as well.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        if self.count() == 0 {
+            return (*state, R::ZERO);
+        }
         let (at_hand, mass, place) = self.at_hand_of(state);
         let met = place.measured_from(wall, mass);
         let acceleration = self.shaken(state, at_hand)[0];
@@ -240,6 +245,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     /// The release is where A of the absorber at hand is 0. Others whose pressure vanishes there as well are
     /// released with it, and their A is 0 without rounding.
     fn release(&self, state: &Self::State) -> (Self::State, R) {
+        if self.count() == 0 {
+            return (*state, R::ZERO);
+        }
         let (at_hand, _, place) = self.at_hand_of(state);
         let [a, jerk, snap, _] = self.shaken(state, at_hand).map(|it| -place.side * it);
         let later = impact::delay(a + self.static_friction[at_hand], jerk, snap);
@@ -271,11 +279,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn rubs(&self, absorber: usize) -> bool {
-        self.friction[self.index(absorber)] != 0.0
+        self.count() > 0 && self.friction[self.index(absorber)] != 0.0
     }
 
     fn is_held(&self, state: &Self::State) -> bool {
-        self.at_hand_of(state).2.held
+        self.count() > 0 && self.at_hand_of(state).2.held
     }
 
     fn slide<'a>(&'a self, flight: &ModalMotion<'a, H, N, M>, length: R) -> Option<Slide<R>> {

@@ -30,7 +30,7 @@ use super::state::Place;
 use super::{Modal, ModalState, mobility, wall_of};
 use crate::absorber::chatter::is_nothing;
 use crate::absorber::impact::Impact;
-use crate::absorber::{ImpactLaw, LawAt, Wall};
+use crate::absorber::{ImpactLaw, LawAt, OnStructure as _, Wall};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -195,6 +195,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
 
     /// The record tells displacement and velocity of the structure at the point of the mass.
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        if self.count() == 0 {
+            let (none, seen) = ([R::ZERO; 2], self.primary(state));
+            return (*state, Impact::of_free_mass(none, time, Wall::Plus, seen, R::ZERO));
+        }
         let struck = self.struck(state);
         let blow = self.blow(state, &struck, &[DoubleDouble::ZERO; N], time);
         let mut after = self.after(state, &blow, None);
@@ -231,6 +235,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
 
     /// The absorber at hand sticks, with all masses that are stuck already.
     fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        if self.count() == 0 {
+            return (*state, R::ZERO);
+        }
         let (k, _, place) = self.at_hand_of(state);
         let included = std::array::from_fn(|l| l == k || state.places[l].stuck);
         let mut rhs = [DoubleDouble::ZERO; N];
