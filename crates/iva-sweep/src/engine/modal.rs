@@ -12,7 +12,7 @@ use iva_core::siva::FreeMass;
 use super::free_mass;
 use super::given::Given;
 use super::scale::Scale;
-use super::scene::{Mounted, Scene};
+use super::scene::{EVERY_SCENE, Mounted, Scene};
 use super::several;
 use super::ties;
 use crate::choices::Kind;
@@ -157,7 +157,7 @@ fn mounted<R: Real>(
 ) -> Result<Scene<R>, Invalid> {
     let tied = riding.ties.iter().filter(|tie| **tie != Tie::NONE).count();
     let few = riding.masses.len() <= FEW && modes.count() + tied <= FEW;
-    if R::FAST_PATHS && few {
+    if R::FAST_PATHS && (few || !EVERY_SCENE) {
         let few = with_room(given, modes, riding, begin, points, force)?;
         return Ok(Scene::FewModes(Box::new(few)));
     }

@@ -278,10 +278,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         (after, later)
     }
 
+    #[inline(always)]
     fn rubs(&self, absorber: usize) -> bool {
         self.count() > 0 && self.friction[self.index(absorber)] != 0.0
     }
 
+    #[inline(always)]
     fn is_held(&self, state: &Self::State) -> bool {
         self.count() > 0 && self.at_hand_of(state).2.held
     }
