@@ -4,7 +4,9 @@
 //! that a study can ask for ([`observed`]). Many runs go
 //! through the same event loop, and lanes take over their simple flights: those of free masses (`run/free_mass.rs`) and of
 //! pendulums (`run/piva.rs`). Which runs go in which lanes is said in `run/kinds.rs`.
+//! The structure alone, to compare with, is in [`bare`].
 
+pub mod bare;
 mod cycling;
 mod decays;
 mod estimated;

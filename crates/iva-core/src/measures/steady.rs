@@ -17,7 +17,6 @@ use crate::number::real::Real;
 use crate::segment::flight::{Motion, Quantity};
 use crate::segment::polynomial::largest;
 
-pub use bare::{Bare, without_absorber};
 pub(crate) use quiet::Quiet;
 pub use regime::Regime;
 pub use strobes::Strobe;
@@ -27,7 +26,6 @@ pub use window::Window;
 use regime::regime;
 use strobes::Spanned;
 
-mod bare;
 mod quiet;
 mod regime;
 mod strobes;

@@ -23,10 +23,11 @@ use iva_core::absorber::{Absorber, Start};
 use iva_core::force::Force;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
+use iva_core::run::bare::{self, Bare};
 use iva_core::run::side_by_side::Tier;
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
-use iva_core::steady::{self, Bare, Window};
+use iva_core::steady::Window;
 
 pub use crate::spec::{MOST_ABSORBERS, Spec};
 
@@ -52,7 +53,7 @@ pub struct Design<R: Real = f64> {
 }
 
 impl<R: Real> Design<R> {
-    /// The motion of the primary without absorber, see [`iva_core::steady::without_absorber`]; `None` in free
+    /// The motion of the primary without absorber, see [`bare::without_absorber`]; `None` in free
     /// decay, and of a structure with several modes.
     ///
     /// # Errors
@@ -64,7 +65,7 @@ impl<R: Real> Design<R> {
         let Some(force) = force else { return Ok(None) };
         let zeta = scene.damping_ratio();
         let from = (scene.primary(), self.begin);
-        steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
+        bare::without_absorber(force, zeta, from, window, limits, Some(cancel))
     }
 
     /// The tier of a run that goes by itself: free masses have a fast one in lanes only.

@@ -5,9 +5,10 @@ use std::sync::atomic::AtomicBool;
 use iva_core::extremes::ExtremeValues;
 use iva_core::measures::MeasureValues;
 use iva_core::real::Real;
+use iva_core::run::bare::Bare;
 use iva_core::run::side_by_side::Tier;
 use iva_core::simulate::{OfAbsorber, Tally};
-use iva_core::steady::{Bare, SteadyValues};
+use iva_core::steady::SteadyValues;
 
 use super::design::Design;
 use crate::done::Done;

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::absorber::Point;
 use crate::absorber::modal::{FEW, FewModes, ModalStart, ModalStructure, PRIMARY};
 use crate::engine::simulate::{Limits, simulate_from};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
+use crate::measures::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::number::real::Real;
 use crate::segment::flight::GapPoint;
 
