@@ -46,6 +46,7 @@ mod near_wall;
 mod neighbours;
 mod orbit;
 mod orbit_description;
+mod oscillation;
 mod periodic;
 mod piva;
 mod piva_flight;
