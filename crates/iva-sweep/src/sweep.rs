@@ -207,6 +207,9 @@ fn run_chunk(
     let mut done = Done::default();
     let mut all = Vec::with_capacity(designs.len());
     let ended = side_by_side::run(designs, request, cancel)?;
+    for two in designs.windows(2) {
+        two[1].scene.share(&two[0].scene);
+    }
     for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
             Some((ended, listed)) if request.has_rows() => {
@@ -219,7 +222,7 @@ fn run_chunk(
             }
             Some((ended, _)) => ended,
             None if control.cancelled() => break,
-            // Of lists only those of free masses on one mode go side by side.
+            // Lists, springs, dashpots, friction and modes go one by one.
             None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();

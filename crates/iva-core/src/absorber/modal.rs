@@ -49,7 +49,7 @@
 //! A structure that moves as one: `modal/oscillation.rs`. Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
 //! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::absorber::Wall;
 use crate::absorber::siva::FreeMass;
@@ -125,9 +125,9 @@ const KICKED: &str = "impulses act at the point that a run sees: let both be the
 #[derive(Debug, Clone)]
 pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     /// The structure as given.
-    structure: ModalStructure<H::Real>,
+    structure: Arc<ModalStructure<H::Real>>,
     /// The same, with masses that are coordinates of it.
-    whole: ModalStructure<H::Real>,
+    whole: Arc<ModalStructure<H::Real>>,
     /// Those in use first; the others mean nothing.
     masses: [FreeMass<H::Real>; N],
     /// The index of the point of each mass.
@@ -213,8 +213,9 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         let total = masses.iter().fold(R::ZERO, |sum, (mass, _)| sum + mass.mass_ratio);
         let host = UndrivenHost::new(damping_ratio.unwrap_or(R::ZERO), total);
         let unused = FreeMass::new(R::ONE, R::ONE, R::ONE)?;
+        let structure = Arc::new(structure);
         let modal = Self {
-            whole: structure.clone(),
+            whole: Arc::clone(&structure),
             structure,
             masses: std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass)),
             at,
@@ -242,6 +243,9 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// [`Invalid`] for a number out of [`crate::range`], and for numbers that are not as many as masses.
     pub fn with_gravity(mut self, gravity: &[R]) -> Result<Self, Invalid> {
         structure::same("absorber.gravity", gravity.len(), self.count())?;
+        if gravity.iter().all(|it| *it == 0.0) && self.is_level() {
+            return Ok(self);
+        }
         for (k, (own, given)) in self.gravity.iter_mut().zip(gravity).enumerate() {
             range::size(&format!("absorber.{k}.gravity"), *given)?;
             *own = *given;
@@ -278,8 +282,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         }
         let host = DrivenHost::new(self.host.damping_ratio(), self.total(), force, R::ZERO);
         let driven = Modal {
-            structure: self.structure.clone(),
-            whole: self.whole.clone(),
+            structure: Arc::clone(&self.structure),
+            whole: Arc::clone(&self.whole),
             masses: self.masses,
             at: self.at,
             count: self.count,
@@ -347,6 +351,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return Err(Invalid::new("structure.seen_at", point, KICKED));
         }
         Ok(self)
+    }
+
+    /// Shares the tables of another system whose structure moves as the same oscillator.
+    pub fn share(&self, like: &Self) {
+        // Without a lasting force there are tables for whole steps.
+        let of = |it: &Self| {
+            let lasts = it.host.force().is_some_and(Force::lasts);
+            (it.oscillates(), it.host.damping_ratio(), lasts)
+        };
+        if self.oscillates() && of(self) == of(like) {
+            self.host.share(&like.host);
+        }
     }
 
     /// The structure as given.

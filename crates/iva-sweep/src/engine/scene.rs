@@ -86,6 +86,13 @@ impl<R: Real> Scene<R> {
         Self::UNDRIVEN && force.is_none()
     }
 
+    /// Shares the tables of a scene before it, where both are lists on the same structure that moves as one.
+    pub(crate) fn share(&self, like: &Self) {
+        if let (Scene::FewModes(own), Scene::FewModes(like)) = (self, like) {
+            own.system.share(&like.system);
+        }
+    }
+
     /// Number of absorbers.
     pub fn count(&self) -> usize {
         with_system!(self, |it| it.system.absorbers())

@@ -36,6 +36,10 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
     pub fn with_friction(mut self, friction: &[R]) -> Result<Self, Invalid> {
         same("absorber.friction", friction.len(), self.count())?;
+        let given = &self.friction[..self.count()];
+        if friction == given && given == &self.static_friction[..self.count()] {
+            return Ok(self);
+        }
         for (k, (own, given)) in self.friction.iter_mut().zip(friction).enumerate() {
             let field = format!("absorber.{k}.friction");
             range::size(&field, *given)?;
@@ -55,6 +59,9 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
     /// [`Invalid`] for a number smaller than the deceleration of a slide or out of [`crate::range`], for one without friction, and for numbers that are not as many as masses.
     pub fn with_static_friction(mut self, static_friction: &[R]) -> Result<Self, Invalid> {
         same("absorber.static_friction", static_friction.len(), self.count())?;
+        if static_friction == &self.static_friction[..self.count()] {
+            return Ok(self);
+        }
         let all = self.static_friction.iter_mut().zip(&self.friction).zip(static_friction);
         for (k, ((own, sliding), given)) in all.enumerate() {
             let field = format!("absorber.{k}.static_friction");

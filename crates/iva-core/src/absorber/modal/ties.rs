@@ -11,6 +11,8 @@
 //! 1/μ in the impact law and while it is stuck, or else it would be counted twice; gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
 //! presses on that as any other mass does, less what the spring pulls: the dashpot is at rest.
 
+use std::sync::Arc;
+
 use super::Modal;
 use super::structure::ModalStructure;
 use crate::error::{Invalid, number};
@@ -99,7 +101,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         }
         let of_all: Vec<&Tied<R>> = all.iter().flatten().collect();
         let whole = self.whole.with_masses(&of_all);
-        Ok(Self { tied: all, whole, ..self }.completed())
+        Ok(Self { tied: all, whole: Arc::new(whole), ..self }.completed())
     }
 }
 
