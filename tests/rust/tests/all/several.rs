@@ -589,3 +589,27 @@ fn a_jump_of_the_force_frees_one_in_a_list() {
     }
     assert!(episodes > 30, "{episodes} episodes");
 }
+
+/// Tables that a system shares with another, as points of a sweep do, change no bit of its run, with a force or without.
+#[test]
+fn shared_tables_change_no_bit() {
+    let mut rng = Rng::new(107);
+    for k in 0..16 {
+        let masses: [Mass; 2] = std::array::from_fn(|_| any_mass(&mut rng));
+        let zeta = if k < 8 { 0.02 } else { 0.02 + 0.01 * f64::from(k % 2) };
+        let built = |zeta: f64, amplitude: f64| {
+            let harmonic = push::<f64>(amplitude, 0.9, Acts::Primary).harmonics().to_vec();
+            let parts = if amplitude == 0.0 { vec![] } else { harmonic };
+            driven(&list(zeta, &masses.map(built)), Force::harmonic(parts).unwrap())
+        };
+        let amplitudes = [[0.0, 0.0], [0.4, 0.0], [0.0, 0.4], [0.4, 0.3]][k as usize % 4];
+        let (start, limits) = (start([1.5, 0.0], &masses), limits(25.0));
+        let before = built(0.02, amplitudes[0]);
+        run(&before, &start, &limits).unwrap();
+        let [own, shared] = [(); 2].map(|()| built(zeta, amplitudes[1]));
+        shared.share(&before);
+        let [own, shared] = [own, shared].map(|system| run(&system, &start, &limits).unwrap());
+        assert_eq!(rows(&own.impacts), rows(&shared.impacts));
+        assert_eq!(own.measures, shared.measures);
+    }
+}
