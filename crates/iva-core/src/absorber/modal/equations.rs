@@ -295,7 +295,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             Self::soon(&it, &mut moved, time);
             for (k, place) in moved.places[..self.count()].iter_mut().enumerate() {
                 if !chosen(k) {
-                    *place = place.moved(time, self.shaken_by(&it, self.pull(k, place))[0]);
+                    let felt = it.state.acceleration + self.pull(k, place);
+                    *place = place.moved(time, felt.value);
                 }
             }
             return moved;
@@ -322,6 +323,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// The velocity at the point of a mass that impulses on the structure at those of others give it.
     pub(super) fn pushed_by(&self, k: usize, impulses: &[DoubleDouble<R>; N]) -> DoubleDouble<R> {
+        if self.oscillates() {
+            // All points move as one.
+            return impulses.iter().fold(DoubleDouble::ZERO, |sum, impulse| sum + *impulse);
+        }
         let both = self.mobility[k].iter().zip(impulses);
         both.fold(DoubleDouble::ZERO, |sum, (mobility, impulse)| sum + *mobility * *impulse)
     }

@@ -64,7 +64,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     /// Distances and rates of masses in flight are those of plain numbers.
     fn ahead(&self, h: R) -> Self::State {
         if let Some(it) = self.oscillation() {
-            return self.oscillated(it, h, true);
+            return self.nearly_oscillated(it, h);
         }
         let (system, from) = (self.system, &self.from);
         let modes = self.modal_series().modes(self.share(h), self.unit);
@@ -95,7 +95,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 
     fn completed(&self, h: R, ahead: &Self::State) -> Self::State {
-        if self.oscillation().is_some() { *ahead } else { self.state_with(ahead.modes, h) }
+        match self.oscillation() {
+            Some(it) => self.oscillated(it, h, true),
+            None => self.state_with(ahead.modes, h),
+        }
     }
 
     fn clears(&self, length: R, end: &Self::State) -> bool {

@@ -252,7 +252,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let within = [1.0 / mass.clearance.double(), time];
             least.min(coasts::count(steps, &place.in_doubles(&primary), within))
         });
-        (count as usize, self.stepped(state, count as usize))
+        let coasted =
+            if count < 1.0 { (*state, Clock::ZERO) } else { self.stepped(state, count as usize) };
+        (count as usize, coasted)
     }
 
     /// The state after so many steps.
@@ -332,6 +334,37 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             place.rate = place.rate + faster;
         }
         after
+    }
+
+    /// The same, where distances and rates of masses in flight, and all of the structure, are those of plain numbers.
+    pub(super) fn nearly_oscillated(&self, of: &Oscillation<'_, H>, h: R) -> ModalState<H, N, M> {
+        let (system, mut after) = (self.system, self.from);
+        let flies = |place: &Place<R>| !place.carried();
+        if of.begin.structure.moves_base() || !after.places[..system.count()].iter().all(flies) {
+            return self.oscillated(of, h, true);
+        }
+        let Primary { x, v } = of.begin.state.primary;
+        let [curved, faster, _] = of.ahead(h);
+        let x = v.value.mul_add(h, x.value + of.begin.middle.value) + curved;
+        after.modes.places[0] = DoubleDouble::new(x);
+        after.modes.velocities[0] = DoubleDouble::new(v.value + faster);
+        for k in 0..system.count() {
+            let [distance, rate, _] = self.approached(k, h, [curved, faster, R::ZERO]);
+            let [distance, rate] = [distance, rate].map(DoubleDouble::new);
+            after.places[k] = Place { distance, rate, ..after.places[k] };
+        }
+        after
+    }
+
+    /// The distance of a mass in flight from its wall with two derivatives, after a motion with these ∬A, ∫A and A.
+    #[inline(always)]
+    pub(super) fn approached(&self, k: usize, h: R, [curved, faster, a]: [R; 3]) -> [R; 3] {
+        let (Place { side, distance, rate, .. }, pull) =
+            (&self.from.places[k], self.regime.pulls[k].value);
+        let bent = (pull * h).mul_add(h * 0.5, curved);
+        let travelled = side.mul_add(bent, rate.value * h);
+        let faster = pull.mul_add(h, faster);
+        [distance.value + travelled, side.mul_add(faster, rate.value), *side * (a + pull)]
     }
 
     /// The energy lost and the work done in a motion of length h. That on a moving base is done on the structure, and on each mass.

@@ -61,10 +61,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
 
     /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
     fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
-        if self.oscillation().is_some() {
-            // It is a difference to twice the precision.
-            return self.magnitude();
-        }
         let shape = self.system.gap_shape(k).iter().enumerate();
         shape.fold(self.magnitude(), |size, (j, phi)| {
             let of = |Modes { places, velocities }: &Modes<R, M>| {
@@ -77,17 +73,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
     #[inline(always)]
     pub(super) fn approach(&self, k: usize, h: R) -> [R; 3] {
-        let Place { side, distance, rate, .. } = &self.from.places[k];
-        let [bent, gained, bend] = if let Some(it) = self.oscillation() {
-            let ([curved, faster, a], pull) = (it.ahead(h), self.regime.pulls[k].value);
-            [(pull * h).mul_add(h * 0.5, curved), pull.mul_add(h, faster), a + pull]
-        } else {
-            let over = R::ONE / self.unit;
-            let [bent, gained, bend] = self.curved(k).plainly(self.share(h));
-            [bent, over * gained, over * over * bend]
-        };
+        if let Some(it) = self.oscillation() {
+            return self.approached(k, h, it.ahead(h));
+        }
+        let (Place { side, distance, rate, .. }, over) = (&self.from.places[k], R::ONE / self.unit);
+        let [bent, gained, bend] = self.curved(k).plainly(self.share(h));
         let travelled = side.mul_add(bent, rate.value * h);
-        [distance.value + travelled, side.mul_add(gained, rate.value), *side * bend]
+        let rate = (*side * over).mul_add(gained, rate.value);
+        [distance.value + travelled, rate, *side * over * over * bend]
     }
 
     /// The third derivative of that distance.
