@@ -1,8 +1,9 @@
 //! The motion of a structure that moves as one and that nothing ties to its masses: that of one oscillator.
 //!
-//! Masses in flight feel the structure by its absolute acceleration A alone. What gravity and friction of these hang on it is a constant
-//! force, which moves the middle of its motion by Σ μ (G + s R). So its motions are those of [`crate::host`]: in closed form where no
-//! force lasts, else one power series. All else, from impacts to the bounds of what slides, is as for any other structure.
+//! A mass in flight feels nothing of the structure but its absolute acceleration A. The structure feels of the mass its weight and its
+//! friction, a constant force, which moves the middle of its motion by μ (G + s R). So its motions are those of [`crate::host`]: in
+//! closed form where no force lasts, else one power series. Impacts, sticks, slides and the search for them are those of any
+//! other structure.
 
 use super::state::{Modes, Place};
 use super::{Modal, ModalMotion, ModalState};
