@@ -218,7 +218,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let acceleration = self.shaken(state, at_hand)[0];
         let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
         let met = met.moved(later, acceleration);
-        let mut touching = self.moved(state, later, &|k| k == at_hand);
+        let mut touching = *state;
+        self.move_on(&mut touching, later, &|k| k == at_hand);
         for (k, place) in touching.places[..self.count()].iter_mut().enumerate() {
             if k == at_hand {
                 *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
@@ -261,7 +262,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             k == at_hand || (state.places[k].stuck && ends())
         };
         let leaves: [bool; N] = std::array::from_fn(|k| k < self.count() && leaves(k));
-        let mut after = self.moved(state, later, &|k| leaves[k]);
+        let mut after = *state;
+        self.move_on(&mut after, later, &|k| leaves[k]);
         after.renew();
         for (place, leaves) in after.places.iter_mut().zip(leaves) {
             place.stuck &= !leaves;

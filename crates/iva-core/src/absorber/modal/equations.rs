@@ -280,45 +280,43 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// A short time later: the modes and the drive, and all places but those that `chosen` changes.
     #[inline(never)]
-    pub(super) fn moved(
+    pub(super) fn move_on(
         &self,
-        state: &ModalState<H, N, M>,
+        state: &mut ModalState<H, N, M>,
         time: R,
         chosen: &dyn Fn(usize) -> bool,
-    ) -> ModalState<H, N, M> {
+    ) {
         if time == 0.0 {
-            return *state;
+            return;
         }
         if let Some(it) = self.oscillating(state) {
-            let mut moved = *state;
-            moved.renew();
-            Self::soon(&it, &mut moved, time);
-            for (k, place) in moved.places[..self.count()].iter_mut().enumerate() {
+            state.renew();
+            Self::soon(&it, state, time);
+            for (k, place) in state.places[..self.count()].iter_mut().enumerate() {
                 if !chosen(k) {
                     let felt = it.state.acceleration + self.pull(k, place);
                     *place = place.moved(time, felt.value);
                 }
             }
-            return moved;
+            return;
         }
         let (pushes, asides) =
             (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));
         let regime = self.regime(&state.places);
         let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (2, 0));
-        let mut moved = state.renewed();
+        state.renew();
+        let Modes { places, velocities } = &mut state.modes;
         for j in 0..self.whole.count() {
             let acceleration = rows.plain(j, 2) * 2.0;
-            moved.modes.places[j] =
-                moved.modes.places[j].plus(moved.modes.velocities[j].value * time);
-            moved.modes.velocities[j] = moved.modes.velocities[j].plus(acceleration * time);
+            places[j] = places[j].plus(velocities[j].value * time);
+            velocities[j] = velocities[j].plus(acceleration * time);
         }
-        moved.phase = self.host.free().later(&state.phase, time);
+        state.phase = self.host.free().later(&state.phase, time);
         for k in (0..self.count()).filter(|k| !chosen(*k)) {
-            let place = &mut moved.places[k];
+            let place = &mut state.places[k];
             let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 2));
             *place = place.moved(time, curved.plain(2) * 2.0);
         }
-        moved
     }
 
     /// The velocity at the point of a mass that impulses on the structure at those of others give it.

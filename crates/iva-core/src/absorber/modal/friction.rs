@@ -189,7 +189,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (k, mass, place) = self.at_hand_of(state);
         let [a, jerk, ..] = self.shaken(state, k);
         let later = impact::delay(place.rate.value, place.side * a, place.side * jerk);
-        let mut after = self.moved(state, later, &|l| l == k);
+        let mut after = *state;
+        self.move_on(&mut after, later, &|l| l == k);
         after.renew();
         let distance = place.distance.plus(place.rate.value * later * 0.5);
         let (rate, sliding) = (DoubleDouble::ZERO, R::ZERO);
@@ -222,7 +223,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         }
         let k = self.index(state.at_hand.into());
         let later = impact::delay(value, rate, curvature);
-        let mut after = self.moved(state, later, &|l| l == k);
+        let mut after = *state;
+        self.move_on(&mut after, later, &|l| l == k);
         after.renew();
         (after.places[k].held, after.places[k].sliding) = (false, off);
         after.places[k].shaken = Some(self.shaken_after(&after, k));

@@ -116,14 +116,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         Blow { impulses, carried }
     }
 
-    /// The state after impulses. Masses in flight keep their velocity.
-    fn after(
+    /// Applies impulses. Masses in flight keep their velocity.
+    fn give(
         &self,
-        state: &ModalState<H, N, M>,
+        after: &mut ModalState<H, N, M>,
         blow: &Blow<R, N>,
         outside: Option<DoubleDouble<R>>,
-    ) -> ModalState<H, N, M> {
-        let mut after = *state;
+    ) {
         after.renew();
         for k in 0..self.count() {
             let place = &mut after.places[k];
@@ -145,7 +144,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if let Some(impulse) = outside {
             after.modes.push(self.whole.shape(self.pushed), impulse);
         }
-        after
     }
 
     /// The state after an impulse from outside, on the point on which the force acts.
@@ -156,7 +154,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> ModalState<H, N, M> {
         let outside = std::array::from_fn(|k| impulse * self.pushed_at(k));
         let blow = self.blow(state, &[None; N], &outside, R::ZERO);
-        self.after(state, &blow, Some(impulse))
+        let mut after = *state;
+        self.give(&mut after, &blow, Some(impulse));
+        after
     }
 
     /// The velocity in the gap of a mass per impulse from outside.
@@ -201,7 +201,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         }
         let struck = self.struck(state);
         let blow = self.blow(state, &struck, &[DoubleDouble::ZERO; N], time);
-        let mut after = self.after(state, &blow, None);
+        let mut after = *state;
+        self.give(&mut after, &blow, None);
         for (k, e) in struck.iter().enumerate() {
             if let Some(e) = *e {
                 let before = state.places[k].rate;
@@ -243,9 +244,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         let mut rhs = [DoubleDouble::ZERO; N];
         rhs[k] = Self::gap_velocity(&place);
         let blow = Blow { impulses: self.impulses(included, rhs), carried: included };
-        let mut stuck = *state;
-        stuck.places[k].stuck = true;
-        let mut after = self.after(&stuck, &blow, None);
+        let mut after = *state;
+        after.places[k].stuck = true;
+        self.give(&mut after, &blow, None);
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
         self.settle(&mut after);

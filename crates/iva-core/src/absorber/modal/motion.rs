@@ -149,6 +149,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     }
 
     /// A bound on the derivative n − 1 of A of the absorber at hand, n > 1.
+    #[inline(always)]
     pub(super) fn fourth_of(&self, n: usize) -> R {
         if let Some(it) = self.oscillation() {
             return it.bound(n);

@@ -60,6 +60,7 @@ impl<'a, R: Real, H: Host<Real = R>> Oscillating<'a, H> {
 
 impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
     /// A bound on the derivative n − 1 of A, n from 1 to 5, but for its constant part.
+    #[inline(always)]
     pub(super) fn bound(&self, n: usize) -> R {
         let Oscillating { structure, state: HostState { primary, .. }, .. } = &self.begin;
         match n {

@@ -9,6 +9,7 @@ use crate::segment::flight::{Curve as _, Side};
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// True if it is proved that nothing happens to the absorber at hand on its way to a state.
+    #[inline(always)]
     pub(super) fn surely_clears(&self, length: R, end: &ModalState<H, N, M>) -> bool {
         let (k, from) = self.begun();
         let to = &end.places[k];
@@ -29,7 +30,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             return false;
         }
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
-        stays_clear_by(ends, self.magnitude(), self.size(k, end, length), self.fourth(), length)
+        let wide = self.system.masses[k].clearance;
+        stays_clear_by(ends, wide, self.size(k, end, length), self.fourth_of(3), length)
     }
 
     /// The only contact of the absorber at hand on its way to a state, where both ends tell that there is one.
@@ -40,8 +42,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         }
         let to = &end.places[k];
         let ends = [[from.distance.value, to.distance.value], [from.rate.value, to.rate.value]];
-        let (wide, size) = (self.magnitude(), self.size(k, end, length));
-        let (side, level) = only_contact(ends, wide, size, self.fourth(), length)?;
+        let (wide, size) = (self.system.masses[k].clearance, self.size(k, end, length));
+        let (side, level) = only_contact(ends, wide, size, self.fourth_of(3), length)?;
         let [bend, end_bend] = [R::ZERO, length].map(|h| self.approach(k, h)[2]);
         let h = {
             meeting(
@@ -60,14 +62,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     }
 
     /// The size of the numbers that the distance of a mass ahead is a difference of, over a motion of this length to a state.
+    #[inline(always)]
     fn size(&self, k: usize, end: &ModalState<H, N, M>, length: R) -> R {
+        let of = |Modes { places, velocities }: &Modes<R, M>, j: usize| {
+            velocities[j].value.abs().mul_add(length, places[j].value.abs())
+        };
+        let both = |j: usize| of(&self.from.modes, j) + of(&end.modes, j);
+        let clearance = self.system.masses[k].clearance;
+        if self.oscillation().is_some() {
+            return clearance + both(0);
+        }
         let shape = self.system.gap_shape(k).iter().enumerate();
-        shape.fold(self.magnitude(), |size, (j, phi)| {
-            let of = |Modes { places, velocities }: &Modes<R, M>| {
-                velocities[j].value.abs().mul_add(length, places[j].value.abs())
-            };
-            phi.abs().mul_add(of(&self.from.modes) + of(&end.modes), size)
-        })
+        shape.fold(clearance, |size, (j, phi)| phi.abs().mul_add(both(j), size))
     }
 
     /// The distance of a mass in flight from its wall with two derivatives, in plain numbers.
