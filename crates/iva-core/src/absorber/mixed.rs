@@ -1,6 +1,6 @@
 //! A list of free masses and pendulums on one structure.
 //!
-//! A list of free masses alone flies in closed form ([`crate::absorber::several`]). A pendulum pulls at the structure while
+//! Lists of free masses alone are in [`crate::absorber::modal`]. A pendulum pulls at the structure while
 //! it swings, so that with one in the list all move in one Taylor series ([`crate::segment::taylor`]), in which a free mass
 //! is a pendulum at small angles without gravity. The truncation error of a step is bounded, and kept at full accuracy.
 //!
