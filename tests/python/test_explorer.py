@@ -165,7 +165,8 @@ def test_a_value_that_cannot_be_is_told_as_by_the_wheel(tmp_path: Path) -> None:
 
 def test_the_page_is_one_file_without_a_network() -> None:
     html = iva.explore().html
-    # Nine tenths are the simulator, with all laws of restitution, a structure alone as a system of terms, and without lists.
+    # Nine tenths are the simulator, with all laws of restitution and without lists. It takes a
+    # structure alone for a system of terms.
     assert len(html) < 600_000
     assert not re.search(r"""(src|href)=["'](?!data:)|@import|url\((?!["']?data:)""", html)
     assert "%SCENE%" not in html
