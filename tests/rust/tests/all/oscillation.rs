@@ -8,8 +8,10 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     observe::Observer,
+    sample::Sampler,
     simulate::{Instant, Limits, simulate},
     siva::FreeMass,
+    steady::{Steady, SteadyWanted, Window},
 };
 use iva_tests::list::{List, begun, list};
 
@@ -131,4 +133,32 @@ fn a_stop_comes_where_only_the_bound_knows() {
         let found = watch.stops.first().copied().unwrap_or(f64::NAN);
         assert!((found - truth).abs() < 1e-8, "{depth}: {found} {truth}");
     }
+}
+
+/// Weight and friction move the middle of the motion: its largest size and its mean square are those about 0, as samples tell.
+#[test]
+fn amplitudes_are_those_about_zero() {
+    let masses = [(0.3, 0.7), (0.2, 0.9)].map(|(mu, d)| FreeMass::new(mu, 0.6, d).unwrap());
+    let harmonic = Harmonic { amplitude: 0.1, frequency: 0.8, phase: 0.4, acts: Acts::Primary };
+    let list = list(0.05, &masses).with_gravity(&[0.4, 0.3]).unwrap();
+    let list = list.with_friction(&[0.05, 0.02]).unwrap();
+    let system = list.under(Force::harmonic(vec![harmonic]).unwrap(), "primary").unwrap();
+    let start = begun(Point { x: 0.1, v: 0.0 }, &[GapPoint { y: 0.0, w: 0.3 }; 2]);
+    let (from, to, count) = (10.0, 40.0, 30_000);
+    let step = (to - from) / f64::from(count);
+    let times = (0..=count).map(|k| from + step * f64::from(k)).collect();
+    let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
+    let window = Window { from, cycle: None };
+    let mut seen = (Steady::new(window, wanted), Sampler::at(times));
+    simulate(&system, &start, &Limits::new(to, 1e-6), None, &mut seen).unwrap();
+    // One sample of two is that of the second mass.
+    let x: Vec<f64> = seen.1.states.iter().step_by(2).map(|it| it.displacement).collect();
+    assert_eq!(x.len(), 30_001);
+    let most = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let ends = 0.5 * (x[0] * x[0] + x[30_000] * x[30_000]);
+    let mean = (x.iter().map(|x| x * x).sum::<f64>() - ends) / f64::from(count);
+    let values = seen.0.values();
+    let [found, rms] = [values.amplitude_max, values.amplitude_rms].map(Option::unwrap);
+    assert!(found >= most - 1e-12 && found - most < 1e-6, "{found} {most}");
+    assert!((rms - mean.sqrt()).abs() < 1e-6, "{rms} {}", mean.sqrt());
 }
