@@ -15,7 +15,6 @@ pub mod chatter;
 pub mod derivatives;
 pub mod impact;
 mod impact_law;
-pub mod mixed;
 pub mod modal;
 mod on_structure;
 pub mod piva;

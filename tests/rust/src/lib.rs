@@ -11,7 +11,7 @@ pub mod driven;
 pub mod flight;
 pub mod laws;
 pub mod list;
-pub mod mixed_list;
+pub mod pendulum_list;
 pub mod modal;
 pub mod naive;
 pub mod oracle;

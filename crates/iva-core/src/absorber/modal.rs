@@ -70,6 +70,7 @@ pub use ties::Tie;
 use equations::{Regime, Stuck};
 use followed::Followed;
 use propagator::Leaps;
+use pendulum::Hanging;
 use ties::Tied;
 
 mod absorber;
@@ -89,6 +90,7 @@ mod matrices;
 mod motion;
 mod on_structure;
 mod oscillation;
+mod pendulum;
 mod propagator;
 mod series;
 mod sight;
@@ -96,6 +98,8 @@ mod slides;
 mod start;
 mod state;
 mod structure;
+mod swinging;
+mod swings;
 mod ties;
 
 /// Largest number of absorbers.
@@ -142,6 +146,10 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     mobility: [[DoubleDouble<H::Real>; N]; N],
     /// Of the masses that have a spring or a dashpot in their gap.
     tied: [Option<Tied<H::Real>>; N],
+    /// Of the members that are pendulums.
+    pendulums: [Option<Hanging<H::Real>>; N],
+    /// True if there are any.
+    swings: bool,
     /// G along the line of motion of each mass.
     gravity: [H::Real; N],
     /// The deceleration R of each mass that slides, by friction.
@@ -225,6 +233,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             host,
             mobility: [[DoubleDouble::ZERO; N]; N],
             tied: std::array::from_fn(|_| None),
+            pendulums: [None; N],
+            swings: false,
             gravity: [R::ZERO; N],
             friction: [R::ZERO; N],
             static_friction: [R::ZERO; N],
@@ -292,6 +302,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             host,
             mobility: self.mobility,
             tied: self.tied.clone(),
+            pendulums: self.pendulums,
+            swings: self.swings,
             gravity: self.gravity,
             friction: self.friction,
             static_friction: self.static_friction,
@@ -317,6 +329,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if SYSTEMS { self.count } else { 0 }
     }
 
+    /// True if there are pendulums.
+    #[inline(always)]
+    fn swings(&self) -> bool {
+        SYSTEMS && self.swings
+    }
+
     /// True if the structure moves as one oscillator, and nothing ties a mass to it.
     #[inline(always)]
     fn oscillates(&self) -> bool {
@@ -331,7 +349,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         self.mobility = mobility;
         self.stuck = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
-        let untied = self.tied.iter().all(Option::is_none) && self.whole.moves_as_one();
+        self.swings = self.pendulums.iter().any(Option::is_some);
+        let linear = self.tied.iter().all(Option::is_none) && !self.swings;
+        let untied = linear && self.whole.moves_as_one();
         let alone = self.host.force().is_none_or(|force| force.elsewhere().is_empty());
         self.oscillates = untied && alone && (self.is_level() || !self.host.moves_base());
         self.carrying = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
@@ -424,7 +444,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     fn regime(&self, places: &[Place<R>; N]) -> Regime<'_, R, N> {
         let carried = |k: &usize| places[*k].carried();
         let set: usize = (0..self.count()).filter(carried).map(|k| 1 << k).sum();
-        let made = || self.stuck_set((0..self.count()).filter(carried).collect());
+        let over = |k: usize| (set >> k & 1 == 1).then(|| self.lightness(k));
+        let made = || self.stuck_set(&std::array::from_fn(over));
         let pulls = std::array::from_fn(|k| self.pull(k, &places[k]));
         Regime { stuck: self.stuck[set].get_or_init(made), pulls }
     }

@@ -2,7 +2,7 @@
 //! 15–17 with their misprints corrected; large angles, point bob or compound pendulum).
 //!
 //! The gap displacement is y = b sinθ, where b is the distance from the pivot to the point of contact, with
-//! walls at ±d. A torsional spring may hold it in its pivot ([`Spring`]). A flight is a Taylor series
+//! walls at ±d. A torsional spring may hold it in its pivot ([`Spring`](crate::segment::taylor::Spring)). A flight is a Taylor series
 //! ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one mass with the primary
 //! ([`crate::absorber::ride`]), until gravity, the spring or the primary pulls it off.
 
@@ -18,11 +18,11 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::Jet;
-use crate::segment::taylor::{Pendulum, Series, Spring};
+use crate::segment::taylor::{Pendulum, Series};
 
 pub(crate) use contact::distance;
 pub use motion::PivaFlight;
-pub(crate) use motion::{Known, PARTS, fourth_bound};
+pub(crate) use motion::{Known, PARTS};
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use start::{Given, PivaStart};
 pub use state::PivaState;
@@ -78,40 +78,12 @@ impl<R: Real> Piva<UndrivenHost<R>> {
     /// [`Invalid`] naming field, value and allowed range.
     pub fn new(parameters: Parameters<R>) -> Result<Self, Invalid> {
         parameters.check()?;
-        let Parameters {
-            mass_ratio,
-            clearance,
-            damping_ratio,
-            frequency_ratio,
-            length,
-            inertia_ratio,
-            contact_distance,
-            pivot_damping_ratio,
-            spring_ratio,
-            angles,
-            ..
-        } = parameters;
-        let lever = length / contact_distance;
-        let small_angles = angles == Angles::Small;
-        let spring = Spring::new(spring_ratio, small_angles);
-        // At small angles spring and gravity are one.
-        let held = if small_angles { spring.stiffness } else { R::ZERO };
-        let frequency_squared = frequency_ratio * frequency_ratio + held;
-        let pendulum = Pendulum {
-            mass_ratio,
-            damping_ratio,
-            contact_distance,
-            inertia_ratio,
-            lever,
-            coupling: R::ONE / (inertia_ratio * lever),
-            frequency_squared,
-            pivot_damping: pivot_damping_ratio * 2.0 * frequency_ratio,
-            spring,
-            small_angles,
-        };
+        let pendulum = parameters.pendulum();
+        let Pendulum { mass_ratio, damping_ratio, small_angles, spring, .. } = pendulum;
+        let clearance = parameters.clearance;
         let wall = DoubleDouble::new(clearance);
         let wall_cosine = pendulum.precise_cosine(wall);
-        let pull = DoubleDouble::new(frequency_squared).times(clearance);
+        let pull = DoubleDouble::new(pendulum.frequency_squared).times(clearance);
         let pull = pull + pendulum.arc(wall, wall_cosine).times(spring.acting());
         let law = Law::new(&parameters, parameters.restitution, &pendulum, wall_cosine);
         Ok(Self {
@@ -170,11 +142,6 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
     /// The force that drives the structure; `None` for one that cannot be driven.
     pub fn force(&self) -> Option<&Force<R>> {
         self.host.force()
-    }
-
-    /// r² d + σ² b θ at a wall.
-    pub(crate) fn pull(&self) -> DoubleDouble<R> {
-        self.pull
     }
 
     /// True if the pendulum can reach its walls: d < b, or small angles, where y is not limited.

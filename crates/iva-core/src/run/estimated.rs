@@ -1,6 +1,5 @@
 //! In which way the errors of the runs of each absorber are estimated.
 
-use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
 use crate::absorber::siva::Siva;
@@ -16,9 +15,5 @@ impl<H: Host<Real = f64>> Estimated for Piva<H> {
 }
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Estimated for Modal<H, N, M> {
-    type Way = ByLists;
-}
-
-impl<H: Host<Real = f64>> Estimated for Mixed<H> {
     type Way = ByLists;
 }

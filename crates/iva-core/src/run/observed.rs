@@ -7,7 +7,6 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::absorber::Absorber;
-use crate::absorber::mixed::Mixed;
 use crate::absorber::modal::{FewModes, Modal};
 use crate::absorber::piva::Piva;
 use crate::absorber::siva::Siva;
@@ -73,7 +72,6 @@ observed! {
     Siva<DrivenHost>,
     Piva<UndrivenHost>,
     Piva<DrivenHost>,
-    Mixed<DrivenHost>,
     Modal<DrivenHost>,
     FewModes<DrivenHost>,
 }

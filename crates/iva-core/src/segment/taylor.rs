@@ -24,9 +24,9 @@ pub(crate) use crate::number::series::unrolled;
 pub use crate::number::series::{Number, ORDER, Row};
 
 use recurrence::Recurrence;
+pub(crate) use pivoted::{Growing, Posture};
 pub use remainder::Remainder;
-pub(crate) use remainder::several::{InFlight, RemainderOfSeveral};
-pub(crate) use several::{Member, series_of_several};
+pub(crate) use remainder::several::{InFlight, LAST, RemainderOfSeveral, Shaking};
 pub use spring::Spring;
 
 /// Runs code with an order of [`crate::absorber::piva`] as a constant.
@@ -54,9 +54,9 @@ macro_rules! with_order {
 }
 pub(crate) use with_order;
 
+mod pivoted;
 mod recurrence;
 mod remainder;
-mod several;
 mod spring;
 
 /// The orders in use.

@@ -3,7 +3,8 @@
 use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
-use crate::absorber::{Aboard, Absorber, Clock, Coasted, OnStructure as _, Wall, impact};
+use crate::absorber::impact::{self, Impact};
+use crate::absorber::{Aboard, Absorber, Angle, Clock, Coasted, OnStructure as _, Wall};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
@@ -22,8 +23,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// True if a chatter of this length is so short that even the fastest mode changes it by less than rounding: an impulse changes the
     /// derivatives of the pressure by its stiffness, which the sum of a chatter leaves out, and the structure moves in
     /// it as if the mass were stuck but for terms of the same order.
-    fn is_sudden(&self, time: R) -> bool {
-        let turned = time * self.whole.growth();
+    fn is_sudden(&self, state: &ModalState<H, N, M>, time: R) -> bool {
+        let turned = time * R::larger(self.whole.growth(), self.swinging_rate(&state.places));
         time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
     }
 
@@ -42,6 +43,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 return false;
             }
             let (Place { distance, rate, stuck, .. }, kicked) = (state.places[k], kicked(k));
+            let kicked = kicked * self.follows(k, &state.places[k]);
             let shaken = flight.most_shaken(k) + kicked * growth;
             let travel = time * (rate.value.abs() + kicked + shaken * time);
             let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
@@ -104,7 +106,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             return self.others_stay(state, time, |_| place.rate.value.abs() * 2.0, R::ZERO);
         }
         // The bound of a power law has four times the change of the pressure, and a longer first rebound.
-        if !self.is_sudden(if mass.varies() { time * 2.0 } else { time }) {
+        if !self.is_sudden(state, if mass.varies() { time * 2.0 } else { time }) {
             return false;
         }
         let e = mass.law(place.side).restitution;
@@ -115,7 +117,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         } else {
             shrinking * place.rate.value.abs()
         };
-        let impulse = self.reduced(at_hand) * 2.0 * gained;
+        let impulse = self.reduced(at_hand) * self.lever(at_hand) * 2.0 * gained;
         let kicked = |k: usize| {
             let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
             impulse * both.sqrt()
@@ -139,6 +141,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
 
     fn offset_of(&self, absorber: usize) -> R {
         self.masses[self.index(absorber)].offset
+    }
+
+    fn lever_of(&self, absorber: usize) -> R {
+        if self.swings() { self.lever(self.index(absorber)) } else { R::ONE }
+    }
+
+    fn angle(&self, state: &Self::State) -> Option<Angle<R>> {
+        self.angle_of(state, self.at_hand_of(state).0)
+    }
+
+    fn impact_angles(&self, impact: &Impact<R>) -> Option<[Angle<R>; 2]> {
+        let k = self.index(impact.absorber.into());
+        let place = self.at_wall(k, impact.wall);
+        let of = |w: R| {
+            let rate = DoubleDouble::new(-place.side * w);
+            self.angle_at(k, &Place { rate, ..place })
+        };
+        Some([of(impact.gap_velocity_before)?, of(impact.gap_velocity_after)?])
     }
 
     fn check_start(&self, start: &ModalStart<R, N, M>) -> Result<(), Invalid> {

@@ -17,7 +17,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         &self,
         derivatives: impl Fn(usize) -> [R; 2],
         stuck: &Stuck<R>,
-        Followed { shape, with_base, constant }: Followed<'_, R>,
+        Followed { shape, factor, with_base, constant }: Followed<'_, R>,
         n: usize,
         length: R,
     ) -> R {
@@ -77,13 +77,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             R::ZERO
         };
         let constant = if n == 1 { constant.value.abs() } else { R::ZERO };
-        (sum + base + constant) * MARGIN
+        ((sum + base) * factor + constant) * MARGIN
     }
 
     /// The size of the terms that are summed to A of a stuck mass.
     pub(super) fn terms(&self, state: &ModalState<H, N, M>, k: usize) -> R {
-        let Followed { shape, constant, .. } = self.followed(k, &state.places[k]);
-        let mut sum = constant.value.abs() + self.gravity[k].abs() + self.static_friction[k];
+        let place = &state.places[k];
+        let Followed { shape, factor, constant, .. } = self.followed(k, place);
+        let own = constant.value.abs() + self.gravity[k].abs() + self.static_friction[k];
+        let mut sum = R::ZERO;
+        for (l, is) in self.swinging(&state.places) {
+            sum += self.pulling(l, is, &state.places[l]) * self.mobility[k][l].value.abs();
+        }
         for (l, mass) in self.masses().iter().enumerate() {
             let most = self.gravity[l].abs() + self.friction[l];
             sum += mass.mass_ratio * most * self.mobility[k][l].value.abs();
@@ -101,6 +106,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for (point, harmonic) in self.host.force().map_or(&[][..], Force::elsewhere) {
             sum += along(*point) * harmonic.largest(0);
         }
-        sum + along(self.pushed) * f + a * 2.0
+        (sum + along(self.pushed) * f + a * 2.0).mul_add(factor, own)
     }
 }

@@ -13,8 +13,9 @@
 
 use super::drive::{Aside, Pushed};
 use super::series::{EXACT, ModalSeries, Series, Term, scaled};
-use super::state::Modes;
+use super::state::{Modes, Place};
 use super::structure::Damping;
+use super::swings::Grown;
 use super::{Followed, MOST, Modal, ModalState};
 use crate::host::{Host, Structure as _};
 use crate::number::compensated::DoubleDouble;
@@ -42,15 +43,21 @@ pub(super) struct Stuck<R> {
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// What these stuck masses need.
-    pub(super) fn stuck_set(&self, masses: Vec<usize>) -> Stuck<R> {
+    /// What stuck members and pendulums in flight need.
+    pub(super) fn fixed_at(&self, places: &[Place<R>; N]) -> Stuck<R> {
+        let of = |k: usize| self.inertia_over(k, &places[k], places[k].carried());
+        self.stuck_set(&std::array::from_fn(|k| if k < self.count() { of(k) } else { None }))
+    }
+
+    /// What members need whose inertias have these reciprocals, if they move with their points.
+    pub(super) fn stuck_set(&self, over: &[Option<DoubleDouble<R>>; N]) -> Stuck<R> {
+        let masses: Vec<usize> = (0..N).filter(|k| over[*k].is_some()).collect();
         let count = masses.len();
         let mut inverse = vec![DoubleDouble::ZERO; count * count];
         for column in 0..count {
             let mut unit = [DoubleDouble::ZERO; N];
             unit[masses[column]] = DoubleDouble::new(R::ONE);
-            let included = std::array::from_fn(|k| masses.contains(&k));
-            let solved = self.impulses(included, unit);
+            let solved = self.impulses(over, unit);
             for (row, k) in masses.iter().enumerate() {
                 inverse[row * count + column] = solved[*k];
             }
@@ -58,27 +65,28 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         Stuck { masses, inverse }
     }
 
-    /// Solves (μ⁻¹ + ΦᵀΦ) P = rhs for the masses that are included, by Gauss's elimination: the matrix is symmetric and
+    /// Solves (μ⁻¹ + ΦᵀΦ) P = rhs for the members that are included with a reciprocal 1/μ, by Gauss's elimination: the matrix is symmetric and
     /// positive definite. The others have no impulse.
     pub(super) fn impulses(
         &self,
-        included: [bool; N],
+        over: &[Option<DoubleDouble<R>>; N],
         rhs: [DoubleDouble<R>; N],
     ) -> [DoubleDouble<R>; N] {
         let (mut masses, mut count) = ([0; N], 0);
-        for k in (0..self.count()).filter(|k| included[*k]) {
+        for k in (0..self.count()).filter(|k| over[*k].is_some()) {
             masses[count] = k;
             count += 1;
         }
         let masses = &masses[..count];
         let mut impulses = [DoubleDouble::ZERO; N];
+        let over = |k: usize| over[k].unwrap_or(DoubleDouble::ZERO);
         if let [k] = *masses {
-            impulses[k] = rhs[k] / (self.mobility[k][k] + self.lightness(k));
+            impulses[k] = rhs[k] / (self.mobility[k][k] + over(k));
             return impulses;
         }
         let (mut a, mut b) = (self.mobility, rhs);
         for k in masses {
-            a[*k][*k] = a[*k][*k] + self.lightness(*k);
+            a[*k][*k] = a[*k][*k] + over(*k);
         }
         for (p, pivot) in masses.iter().enumerate() {
             let (above, right) = (a[*pivot], b[*pivot]);
@@ -99,7 +107,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two);
-    /// so many of them to twice the precision, [`EXACT`](super::series::EXACT) at most.
+    /// so many of them to twice the precision, [`EXACT`](super::series::EXACT) at most. No pendulum swings.
     #[inline(always)]
     pub(super) fn series(
         &self,
@@ -109,18 +117,29 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         unit: R,
         (order, exact): (usize, usize),
     ) -> ModalSeries<R> {
-        let mut rows = ModalSeries::new(self.whole.count(), order, exact);
-        rows.set(0, |j| modes.places[j]);
-        rows.set(1, |j| scaled(modes.velocities[j], unit));
+        let mut rows = self.begun(modes, unit, (order, exact));
         for m in 0..=order - 2 {
             let pushed = pushes(m);
             if m + 2 < exact {
                 self.raise::<DoubleDouble<R>>(&mut rows, m, regime, (pushed, asides), unit);
             } else {
-                let pushed = pushed.map(|it| it.value);
                 self.raise::<R>(&mut rows, m, regime, (pushed, asides), unit);
             }
         }
+        rows
+    }
+
+    /// The first two powers of the series.
+    #[inline(always)]
+    pub(super) fn begun(
+        &self,
+        modes: &Modes<R, M>,
+        unit: R,
+        (order, exact): (usize, usize),
+    ) -> ModalSeries<R> {
+        let mut rows = ModalSeries::new(self.whole.count(), order, exact);
+        rows.set(0, |j| modes.places[j]);
+        rows.set(1, |j| scaled(modes.velocities[j], unit));
         rows
     }
 
@@ -143,14 +162,30 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         rows: &mut ModalSeries<R>,
         m: usize,
         Regime { stuck, pulls }: &Regime<'_, R, N>,
-        (pushed, asides): ([T; 3], &[Aside<R>]),
+        pushed: (Pushed<R>, &[Aside<R>]),
         unit: R,
     ) {
+        let (mut force, felt) = self.forces::<T>(rows, m, pulls, pushed, unit);
+        self.carry(&mut force, stuck, felt);
+        let over = T::reciprocal((m + 1) * (m + 2));
+        rows.set(m + 2, |j| force[j] * over);
+    }
+
+    /// The coefficients m of all forces on the modes but those of members that are carried along, times the square of the unit of time; and those of a_g and
+    /// gravity.
+    #[inline(always)]
+    pub(super) fn forces<T: Term<R>>(
+        &self,
+        rows: &ModalSeries<R>,
+        m: usize,
+        pulls: &[DoubleDouble<R>; N],
+        (pushed, asides): (Pushed<R>, &[Aside<R>]),
+        unit: R,
+    ) -> ([T; M], [T; 2]) {
         let n = self.whole.count();
         let zero = T::from_real(R::ZERO);
         let square = unit * unit;
         let damped = T::from_real(unit * (m + 1) as f64);
-        let over = T::reciprocal((m + 1) * (m + 2));
         let (q, v) = (rows.power(m), rows.power(m + 1));
         let mut force = [zero; M];
         let stiffness = &self.whole.stiffness[..n];
@@ -181,7 +216,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 *force = *force - pull * T::from_real(*phi);
             }
         }
-        let [f, a, gravity] = pushed.map(|push| push * T::from_real(square));
+        let [f, a, gravity] = pushed.map(|push| T::of(push) * T::from_real(square));
         for (k, pull) in pulls.iter().enumerate().filter(|(_, it)| m == 0 && it.value != 0.0) {
             let weight = gravity * T::of(pull.times(self.masses[k].mass_ratio));
             for (force, phi) in force.iter_mut().zip(self.gap_shape(k)) {
@@ -202,36 +237,52 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 *force = *force + aside * T::from_real(*phi);
             }
         }
-        let count = stuck.masses.len();
-        if count > 0 {
-            let mut load = [zero; MOST];
-            for (load, k) in load.iter_mut().zip(&stuck.masses) {
-                let felt = self.gap_shape(*k).iter().zip(&force);
-                let fallen = || a + gravity * T::from_real(self.gravity[*k]);
-                let moved = if self.tied[*k].is_none() { fallen() } else { zero };
-                *load = felt.fold(moved, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
-            }
-            for (i, k) in stuck.masses.iter().enumerate() {
-                let row = stuck.inverse[i * count..(i + 1) * count].iter().zip(&load);
-                let pull = row.fold(zero, |sum, (element, load)| T::of(*element) * *load + sum);
-                for (force, phi) in force.iter_mut().zip(self.gap_shape(*k)) {
-                    *force = *force - pull * T::from_real(*phi);
-                }
-            }
-        }
-        rows.set(m + 2, |j| force[j] * over);
+        (force, [a, gravity])
     }
 
-    /// What the curve of a mass is made of, beyond a uniform motion, from the series of all modes:
+    /// Adds to forces on the modes those of the members that are carried along, under such accelerations of the base and by gravity.
+    #[inline(always)]
+    pub(super) fn carry<T: Term<R>>(
+        &self,
+        force: &mut [T; M],
+        stuck: &Stuck<R>,
+        [a, gravity]: [T; 2],
+    ) {
+        let count = stuck.masses.len();
+        if count == 0 {
+            return;
+        }
+        let zero = T::from_real(R::ZERO);
+        let mut load = [zero; MOST];
+        for (load, k) in load.iter_mut().zip(&stuck.masses) {
+            let felt = self.gap_shape(*k).iter().zip(&*force);
+            let fallen = || a + gravity * T::from_real(self.gravity[*k]);
+            let moved = if self.tied[*k].is_none() { fallen() } else { zero };
+            *load = felt.fold(moved, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
+        }
+        for (i, k) in stuck.masses.iter().enumerate() {
+            let row = stuck.inverse[i * count..(i + 1) * count].iter().zip(&load);
+            let pull = row.fold(zero, |sum, (element, load)| T::of(*element) * *load + sum);
+            for (force, phi) in force.iter_mut().zip(self.gap_shape(*k)) {
+                *force = *force - pull * T::from_real(*phi);
+            }
+        }
+    }
+
+    /// What the curve of a member is made of, beyond a uniform motion, from the series of all modes and pendulums:
     /// ∬A from power 2 on up to `order`.
     #[inline(always)]
     pub(super) fn curved(
         &self,
-        rows: &ModalSeries<R>,
-        Followed { shape, with_base, constant }: Followed<'_, R>,
+        Grown { rows, swings }: &Grown<'_, R>,
+        (k, place): (usize, &Place<R>),
         base: impl Fn(usize) -> DoubleDouble<R>,
         (unit, order): (R, usize),
     ) -> Series<R> {
+        if let Some(swing) = swings.iter().find(|swing| swing.index == k) {
+            return swing.curved(order);
+        }
+        let Followed { shape, factor, with_base, constant } = self.followed(k, place);
         let mut sum = Series::ZERO;
         let based = with_base && self.host.moves_base();
         for m in 2..=order {
@@ -239,6 +290,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             if based {
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
                 moved = moved + scaled(base(m - 2), unit * unit) * over;
+            }
+            if factor != 1.0 {
+                moved = moved.times(factor);
             }
             if m == 2 && constant.value != 0.0 {
                 moved = moved + scaled(constant, unit * unit).half();
@@ -267,9 +321,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let order = if place.stuck || self.friction[k] != 0.0 { 5 } else { 3 };
         let regime = self.regime(&state.places);
         let asides = self.asides(&state.phase, R::ONE, order);
-        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (order, 3));
-        let followed = self.followed(k, place);
-        let curved = self.curved(&rows, followed, |m| pushes(m)[1], (R::ONE, order));
+        let feed = (&pushes, asides.as_slice());
+        let grown = self.grown(state, &regime, feed, R::ONE, (order, 3));
+        let curved = self.curved(&grown, (k, place), |m| pushes(m)[1], (R::ONE, order));
         [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
     }
 
@@ -303,7 +357,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (pushes, asides) =
             (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));
         let regime = self.regime(&state.places);
-        let rows = self.series(&state.modes, &regime, (&pushes, &asides), R::ONE, (2, 0));
+        let begin = state.places;
+        let grown =
+            self.grown(state, &regime, (&pushes, asides.as_slice()), R::ONE, (2, 0));
+        let curves: [R; N] = std::array::from_fn(|k| {
+            let asked = k < self.count() && !chosen(k) && !begin[k].carried();
+            let curved = || self.curved(&grown, (k, &begin[k]), |m| pushes(m)[1], (R::ONE, 2));
+            if asked { curved().plain(2) * 2.0 } else { R::ZERO }
+        });
+        let rows = grown.rows;
         state.renew();
         let Modes { places, velocities } = &mut state.modes;
         for j in 0..self.whole.count() {
@@ -314,8 +376,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         state.phase = self.host.free().later(&state.phase, time);
         for k in (0..self.count()).filter(|k| !chosen(*k)) {
             let place = &mut state.places[k];
-            let curved = self.curved(&rows, self.followed(k, place), |m| pushes(m)[1], (R::ONE, 2));
-            *place = place.moved(time, curved.plain(2) * 2.0);
+            *place = place.moved(time, curves[k]);
         }
     }
 

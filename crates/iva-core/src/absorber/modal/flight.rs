@@ -72,7 +72,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         for k in 0..system.count() {
             let place = &from.places[k];
             let rubs = system.friction[k] != 0.0;
-            ahead.places[k] = if place.carried() || rubs || system.host.moves_base() {
+            let hangs = system.hanging(k).is_some();
+            ahead.places[k] = if place.carried() || rubs || hangs || system.host.moves_base() {
                 self.place(k, h)
             } else {
                 let [mut u, mut v] = [R::ZERO; 2];
@@ -113,7 +114,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         if let Some(it) = self.oscillation() {
             return it.turns(end, length);
         }
-        let never = self.system.never_turns(&self.regime, [&self.from, end], length);
+        let never = if self.swings {
+            self.surely_never_turns(length)
+        } else {
+            self.system.never_turns(&self.regime, [&self.from, end], length)
+        };
         if never { Turns::Never } else { Turns::Unknown }
     }
 
@@ -145,7 +150,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             return Some(it.acceleration(h));
         }
         let constant = [self.system.gravity[absorber], self.system.friction[absorber]];
-        if self.system.tied[absorber].is_none() && constant == [R::ZERO; 2] {
+        let hangs = self.system.hanging(absorber).is_some();
+        if self.system.tied[absorber].is_none() && constant == [R::ZERO; 2] && !hangs {
             return Some(self.system.shaken(&self.state(h), absorber)[0]);
         }
         let (t, over) = (self.share(h), R::ONE / self.unit);
@@ -228,7 +234,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             std::array::from_fn(|m| if place.carried() { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
-        let absorber = std::array::from_fn(|m| own[m] + gap[m]);
+        let lever = self.system.lever(k);
+        let absorber = std::array::from_fn(|m| lever.mul_add(gap[m], own[m]));
         Some(Travel { rows, gap, absorber })
     }
 }
@@ -271,6 +278,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
             let bent = it.precise(h) + pull.times(h).times(h).half();
             let bent = DoubleDouble { value: side * bent.value, rest: side * bent.rest };
             return begin.distance + begin.rate.times(h) + bent;
+        }
+        if self.swings {
+            return self.precise_distance(k, h);
         }
         self.place(k, h).distance
     }

@@ -10,6 +10,8 @@ use crate::number::real::Real;
 pub(super) struct Followed<'a, R> {
     /// Of the displacement that it is the second derivative of.
     pub shape: &'a [R],
+    /// How much of it a pendulum on its wall feels.
+    pub factor: R,
     /// True if the acceleration of the base is part of it.
     pub with_base: bool,
     /// What gravity and the spring of a stuck mass add.
@@ -17,16 +19,18 @@ pub(super) struct Followed<'a, R> {
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// What the curve of a mass is made of: the motion of its gap in flight, that of the point which has to carry it while it is stuck.
+    /// What the curve of a member is made of: the motion of its gap in flight, that of the point which has to carry it while it is stuck. Not of a pendulum in
+    /// flight.
     pub(super) fn followed(&self, k: usize, place: &Place<R>) -> Followed<'_, R> {
         let gravity = DoubleDouble::new(self.gravity[k]);
         if place.carried() {
-            let constant = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
-            return Followed { shape: self.shape(k), with_base: true, constant };
+            let pulled = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
+            let (factor, constant) = (self.follows(k, place), pulled + self.drawn(k, place));
+            return Followed { shape: self.shape(k), factor, with_base: true, constant };
         }
         // What reaches a tied mass reaches it by its coordinate.
         let alone = self.tied[k].is_none();
         let constant = if alone { self.pull(k, place) } else { DoubleDouble::ZERO };
-        Followed { shape: self.gap_shape(k), with_base: alone, constant }
+        Followed { shape: self.gap_shape(k), factor: R::ONE, with_base: alone, constant }
     }
 }

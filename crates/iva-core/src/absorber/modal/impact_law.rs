@@ -73,17 +73,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let mut carried = places.map(|place| place.stuck);
         let mut hops = [false; N];
         let rhs = std::array::from_fn(|k| {
-            let w = Self::gap_velocity(&places[k]);
+            let w = || Self::gap_velocity(&places[k]).times(self.lever(k));
             match struck[k] {
-                Some(e) => w * DoubleDouble::new(R::ONE).plus(e) - outside[k],
+                Some(e) => w() * DoubleDouble::new(R::ONE).plus(e) - outside[k],
                 None => -outside[k],
             }
         });
         let mut impulses = [DoubleDouble::ZERO; N];
         // No set comes twice; rounding could let two alternate that differ by nothing.
         for _ in 0..2_usize << self.count() {
-            let included = std::array::from_fn(|k| struck[k].is_some() || carried[k]);
-            impulses = self.impulses(included, rhs);
+            let whole = |k: usize| struck[k].is_some() || carried[k];
+            impulses = self.impulses(&self.moved_along(places, whole), rhs);
             let breaks = |k: &usize| {
                 let side = places[*k].side;
                 places[*k].stuck
@@ -104,7 +104,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                     return false;
                 }
                 let pressure = self.pressure(state, *k);
-                let speed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
+                let pushed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
+                let speed = pushed * self.follows(*k, &places[*k]);
                 let e = self.masses[*k].law_for(side, speed).restitution;
                 let falls = pressure * (R::ONE - e);
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
@@ -114,6 +115,32 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             (hops[k], carried[k]) = (true, true);
         }
         Blow { impulses, carried }
+    }
+
+    /// The reciprocals of the inertias that move with their points in a blow: `whole` members, and parts of the pendulums in flight.
+    fn moved_along(
+        &self,
+        places: &[Place<R>; N],
+        whole: impl Fn(usize) -> bool,
+    ) -> [Option<DoubleDouble<R>>; N] {
+        let of = |k: usize| self.inertia_over(k, &places[k], whole(k));
+        std::array::from_fn(|k| if k < self.count() { of(k) } else { None })
+    }
+
+    /// The energy that an impact of a member takes with a restitution e, as its point gains a velocity.
+    fn lost(&self, k: usize, place: &Place<R>, e: R, gained: DoubleDouble<R>) -> R {
+        let w = Self::gap_velocity(place);
+        let (lever, inertia) = match self.hanging(k) {
+            None => (R::ONE, DoubleDouble::new(R::ONE)),
+            Some(is) => {
+                let own = DoubleDouble::new(is.inertia_ratio).times(is.lever).times(is.coupling);
+                (is.lever, own / self.follows_precisely(k, place))
+            }
+        };
+        // Of a heavy absorber these two nearly cancel.
+        let opposed = DoubleDouble::new(R::ONE).plus(e) * w * inertia - gained;
+        let impulse = opposed.value * lever * self.masses[k].mass_ratio;
+        impulse * 0.5 * ((R::ONE - e) * w.value)
     }
 
     /// Applies impulses. Masses in flight keep their velocity.
@@ -133,6 +160,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let mut gained = self.pushed_by(k, &blow.impulses);
             if let Some(impulse) = outside {
                 gained = gained + impulse * self.pushed_at(k);
+            }
+            if self.hanging(k).is_some() {
+                gained = gained * self.follows_precisely(k, place);
             }
             let [value, rest] = [gained.value, gained.rest].map(|part| place.side * part);
             place.rate = place.rate.plus_parts(value, rest);
@@ -184,9 +214,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
     fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
         let k = self.index(absorber);
         let own = self.masses[k].law_at(wall, approach, R::ZERO);
-        let impulse = (R::ONE + own.restitution) * self.reduced(k);
+        let impulse = (R::ONE + own.restitution) * self.lever(k) * self.reduced(k);
         let gain = impulse * mobility(self.shape(k), self.shape(k)).value;
-        LawAt { gain, pressure: impulse * self.stiffened(k), ..own }
+        let mut pressure = impulse * self.stiffened(k);
+        if let Some(is) = self.hanging(k) {
+            let at_wall = self.at_wall(k, wall);
+            let turned = is.pivot_damping * (R::ONE + own.restitution);
+            let shaken = turned * is.mass_ratio * is.lever * self.mobility[k][k].value;
+            pressure = (pressure + shaken).mul_add(self.follows(k, &at_wall), turned);
+        }
+        LawAt { gain, pressure, ..own }
     }
 
     fn impulse_at(&self, wall: Wall, approach: R) -> R {
@@ -228,8 +265,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             velocity_after: v_after,
             gap_velocity_before: w,
             gap_velocity_after: -e * w,
-            lever: R::ONE,
-            energy_loss: blow.impulses[k].value * 0.5 * ((R::ONE - e) * w),
+            lever: self.lever(k),
+            energy_loss: self.lost(k, &place, e, self.pushed_by(k, &blow.impulses)),
         };
         (after, impact)
     }
@@ -240,16 +277,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             return (*state, R::ZERO);
         }
         let (k, _, place) = self.at_hand_of(state);
-        let included = std::array::from_fn(|l| l == k || state.places[l].stuck);
+        let carried = std::array::from_fn(|l| l == k || state.places[l].stuck);
         let mut rhs = [DoubleDouble::ZERO; N];
-        rhs[k] = Self::gap_velocity(&place);
-        let blow = Blow { impulses: self.impulses(included, rhs), carried: included };
+        rhs[k] = Self::gap_velocity(&place).times(self.lever(k));
+        let moved = self.moved_along(&state.places, |l| carried[l]);
+        let blow = Blow { impulses: self.impulses(&moved, rhs), carried };
         let mut after = *state;
         after.places[k].stuck = true;
         self.give(&mut after, &blow, None);
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
         self.settle(&mut after);
-        (after, blow.impulses[k].value * 0.5 * rhs[k].value)
+        (after, self.lost(k, &place, R::ZERO, self.pushed_by(k, &blow.impulses)))
     }
 }

@@ -154,7 +154,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             [at(&begin, &bent[0]), at(&end, &later)];
         let sign = speed.signum();
         let ends = [[speed, bend], [last, last_bend]].map(|end| end.map(|it| sign * it));
-        let followed = Followed { shape, with_base: false, constant: DoubleDouble::ZERO };
+        let (factor, constant) = (R::ONE, DoubleDouble::ZERO);
+        let followed = Followed { shape, factor, with_base: false, constant };
         let fifth = self.bound(|j| [bent[2][j], bent[3][j]], stuck, followed, 4, length);
         keeps_pressing(ends, size + last_size, fifth, length)
     }
@@ -213,7 +214,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if !R::FAST_PATHS {
             return none;
         }
-        let carried = state.places[..self.count()].iter().any(Place::carried);
+        let carried = self.swings() || state.places[..self.count()].iter().any(Place::carried);
         let Some(leaps) = self.leaps().filter(|_| !carried) else { return none };
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         // Begin and end of a leap, in turns.

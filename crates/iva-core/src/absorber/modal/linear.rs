@@ -71,7 +71,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         }
         for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
             let flying = Place { stuck: false, held: false, ..state.places[k] };
-            let Followed { shape, with_base, constant } = self.followed(k, &flying);
+            let Followed { shape, with_base, constant, .. } = self.followed(k, &flying);
             let moved = constant.value + if with_base { base.value } else { 0.0 };
             let a = shape
                 .iter()

@@ -11,7 +11,7 @@ use crate::host::Host;
 use crate::number::real::Real;
 use crate::segment::flight::Losses;
 use crate::segment::quadrature::{node, weight};
-use crate::segment::taylor::{ORDER, Row};
+use crate::segment::taylor::{ORDER, Pendulum, Row};
 
 /// Lengths that differ by so many units of 2⁻⁵² are the same but for rounding.
 const SAME_ULPS: f64 = 16.0;
@@ -38,7 +38,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             .collect();
         let gaps = self.lost_in_gaps(&rates) * h;
         let viscous = self.viscous(&rates) * h - gaps;
-        Losses { viscous, pivot: gaps, work: self.work(&rates, &nodes) * h }
+        let pivot = gaps + self.lost_in_pivots(&nodes) * h;
+        Losses { viscous, pivot, work: self.work(&rates, &nodes) * h }
     }
 
     /// The nodes of the quadrature between two instants, in the unit of time of the series.
@@ -88,6 +89,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         })
     }
 
+    /// The mean of Σ μκλ² ν W² of the pivots.
+    fn lost_in_pivots(&self, nodes: &AtNodes<R>) -> R {
+        let damped = |(k, is): &(usize, &Pendulum<R>)| {
+            let swing = self.swing(*k).filter(|_| is.pivot_damping != 0.0)?;
+            let turning = at_nodes(&swing.series.w, nodes);
+            let inertia = is.mass_ratio * is.inertia_ratio * (is.lever * is.lever);
+            Some(inertia * is.pivot_damping * mean(&turning, &turning))
+        };
+        let each = self.system.swinging(&self.from.places);
+        each.filter_map(|it| damped(&it)).fold(R::ZERO, |sum, lost| sum + lost)
+    }
+
     /// The mean of Σ f φ·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁): ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
     fn work(&self, rates: &[AtNodes<R>], nodes: &AtNodes<R>) -> R {
         let system = self.system;
@@ -109,6 +122,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             }
             let moving = if place.carried() {
                 along(system.shape(k), rates)
+            } else if let Some(swing) = self.swing(k) {
+                let mut moving = along(system.shape(k), rates);
+                let over = system.lever(k) / self.unit;
+                let y = &swing.series.y;
+                let rate: Row<R> = std::array::from_fn(|m| {
+                    if m < ORDER { y[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
+                });
+                for (sum, part) in moving.iter_mut().zip(at_nodes(&rate, nodes)) {
+                    *sum += part;
+                }
+                moving
             } else {
                 let [_, v] = self.from.modes.of_point(system.shape(k));
                 let mut moving = [R::ZERO; ORDER + 1];

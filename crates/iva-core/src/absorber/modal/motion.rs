@@ -7,6 +7,7 @@ use super::equations::Regime;
 use super::oscillation::{Oscillating, Oscillation};
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Modes, Place};
+use super::swings::{Grown, Swing};
 use super::{Modal, ModalState, SYSTEMS};
 use crate::absorber::Clock;
 use crate::host::{Host, Structure};
@@ -32,17 +33,21 @@ pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
     /// Unit of time of the series: a power of two.
     pub(super) unit: H::Real,
     pub(super) reach: H::Real,
+    /// True if a pendulum swings.
+    pub(super) swings: bool,
+    /// True if what the power series leave out is bounded.
+    pub(super) sure: bool,
     /// The power series, once they were needed.
-    expansion: OnceCell<Box<Expansion<H::Real, N>>>,
+    expansion: OnceCell<Box<Expansion<'a, H::Real, N>>>,
     /// x at the point that the run sees, once it was needed.
     seen: OnceCell<Series<H::Real>>,
 }
 
 /// The power series of a motion.
 #[derive(Debug, Clone)]
-struct Expansion<R, const N: usize> {
-    /// q of all modes.
-    rows: ModalSeries<R>,
+struct Expansion<'a, R, const N: usize> {
+    /// Of modes and pendulums.
+    grown: Grown<'a, R>,
     /// ∬A at the points of the masses for which it was needed.
     curved: [OnceCell<Series<R>>; N],
     /// a_g in powers of t; empty where the base does not move.
@@ -54,17 +59,34 @@ struct Expansion<R, const N: usize> {
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
     pub(super) fn new(system: &'a Modal<H, N, M>, from: &ModalState<H, N, M>) -> Self {
         let regime = system.regime(&from.places);
-        let unit = R::power_of_two(system.reach);
+        let swings = system.swings() && system.swinging(&from.places).next().is_some();
+        let longest = if swings { system.longest_swing(from) } else { system.reach };
+        let unit = R::power_of_two(longest);
         let oscillation = system.oscillating(from).map(Oscillating::motion);
         let reach = match &oscillation {
             Some(it) => it.reach(),
             None => {
                 let smooth = system.host.smooth_for(&from.phase);
-                if smooth <= system.reach { smooth } else { system.reach }
+                if smooth <= longest { smooth } else { longest }
             }
         };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
-        Self { system, regime, from: *from, oscillation, unit, reach, expansion, seen }
+        let sure = true;
+        let mut motion =
+            Self { system, regime, from: *from, oscillation, unit, reach, swings, sure, expansion, seen };
+        if swings {
+            motion.prove();
+        }
+        motion
+    }
+
+    /// Where pendulums swing, the motion ends where the series leave out more than full accuracy allows.
+    fn prove(&mut self) {
+        let most = (self.reach / self.unit).min(R::ONE * 2.0);
+        let grown = &self.expansion().grown;
+        let share = self.system.share_proved(grown, &self.from, (self.unit, most));
+        self.sure = share.is_some();
+        self.reach = share.map_or(self.reach, |share| share * self.unit);
     }
 
     /// That of the structure, where it moves as one.
@@ -76,23 +98,18 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         }
     }
 
-    fn expansion(&self) -> &Expansion<R, N> {
+    fn expansion(&self) -> &Expansion<'a, R, N> {
         self.expansion.get_or_init(|| Box::new(self.expanded()))
     }
 
-    fn expanded(&self) -> Expansion<R, N> {
+    fn expanded(&self) -> Expansion<'a, R, N> {
         let pushes = self.system.pushes(&self.from.phase, self.unit);
         let asides = self.system.asides(&self.from.phase, self.unit, ORDER);
-        let rows = self.system.series(
-            &self.from.modes,
-            &self.regime,
-            (&pushes, &asides),
-            self.unit,
-            (ORDER, EXACT),
-        );
+        let feed = (&pushes, asides.as_slice());
+        let grown = self.system.grown(&self.from, &self.regime, feed, self.unit, (ORDER, EXACT));
         let powers = if self.system.host.moves_base() { ORDER + 1 } else { 0 };
         let base = (0..powers).map(|m| pushes(m)[1]).collect();
-        Expansion { rows, curved: [const { OnceCell::new() }; N], base, asides }
+        Expansion { grown, curved: [const { OnceCell::new() }; N], base, asides }
     }
 
     /// a_g in powers of t, in plain numbers.
@@ -103,14 +120,13 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     /// ∬A at the point of a mass.
     pub(super) fn curved(&self, k: usize) -> &Series<R> {
-        let Expansion { rows, curved, base, .. } = self.expansion();
+        let Expansion { grown, curved, base, .. } = self.expansion();
         curved[k].get_or_init(|| {
             let place = &self.from.places[k];
-            let followed = self.system.followed(k, place);
             let base = |m: usize| base.get(m).copied().unwrap_or(DoubleDouble::ZERO);
-            let mut curved = self.system.curved(rows, followed, base, (self.unit, ORDER));
+            let mut curved = self.system.curved(grown, (k, place), base, (self.unit, ORDER));
             // At a release the acceleration is set to 0 without rounding.
-            if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
+            if place.leaves() {
                 curved.set(2, DoubleDouble::ZERO);
             }
             curved
@@ -119,7 +135,15 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     /// q of all modes.
     pub(super) fn modal_series(&self) -> &ModalSeries<R> {
-        &self.expansion().rows
+        &self.expansion().grown.rows
+    }
+
+    /// The power series of a pendulum in flight; `None` of any other member.
+    pub(super) fn swing(&self, k: usize) -> Option<&Swing<'a, R>> {
+        if !self.swings {
+            return None;
+        }
+        self.expansion().grown.swings.iter().find(|swing| swing.index == k)
     }
 
     /// The harmonic forces at other points.
@@ -141,6 +165,9 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
 
     /// A bound on |A| of a mass.
     pub(super) fn most_shaken(&self, k: usize) -> R {
+        if self.swings {
+            return self.largest_of_series(self.curved(k), 2);
+        }
         let followed = self.system.followed(k, &self.from.places[k]);
         if let Some(it) = self.oscillation() {
             return it.bound(1) + followed.constant.value.abs();
@@ -155,6 +182,9 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             return it.bound(n);
         }
         let (k, begin) = self.begun();
+        if self.swings {
+            return self.largest_of_series(self.curved(k), n + 1);
+        }
         let followed = self.system.followed(k, begin);
         self.system.bound(self.derivatives(n), self.regime.stuck, followed, n, self.reach)
     }
@@ -239,7 +269,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
                 || system.friction[k] != 0.0;
             *place = if place.carried() {
                 self.place(k, h)
-            } else if near || system.host.moves_base() {
+            } else if near || system.host.moves_base() || system.hanging(k).is_some() {
                 // The series keeps the relative accuracy of a rebound or of a slide, however small it is.
                 Place { shaken: None, ..self.place(k, h) }
             } else {

@@ -60,6 +60,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
                 continue;
             }
             let [_, v] = state.modes.of_point(self.shape(k));
+            if let Some(is) = self.hanging(k) {
+                sum += self.energy_of_pendulum(k, is, &state.places[k], v.value);
+                continue;
+            }
             let speed = v.value + gap.w;
             sum += mass.mass_ratio * 0.5 * (speed * speed);
         }

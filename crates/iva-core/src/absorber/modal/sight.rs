@@ -69,6 +69,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         };
         let both = |j: usize| of(&self.from.modes, j) + of(&end.modes, j);
         let clearance = self.system.masses[k].clearance;
+        if self.system.hanging(k).is_some() {
+            return clearance * 2.0;
+        }
         if self.oscillation().is_some() {
             return clearance + both(0);
         }
@@ -87,6 +90,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let travelled = side.mul_add(bent, rate.value * h);
         let rate = (*side * over).mul_add(gained, rate.value);
         [distance.value + travelled, rate, *side * over * over * bend]
+    }
+
+    /// True if it is proved that the point which the run sees does not turn in this length of a motion in which pendulums swing.
+    pub(super) fn surely_never_turns(&self, length: R) -> bool {
+        if !R::FAST_PATHS {
+            return false;
+        }
+        let (x, over) = (self.x(), R::ONE / self.unit);
+        let at = |h: R| {
+            let [_, rate, bend] = x.plainly(self.share(h));
+            [rate * over, bend * over * over]
+        };
+        let [begin, end] = [at(R::ZERO), at(length)];
+        let sign = begin[0].signum();
+        let size = |[rate, bend]: [R; 2]| bend.abs().mul_add(length, rate.abs());
+        let ends = [begin, end].map(|end| end.map(|it| sign * it));
+        keeps_pressing(ends, size(begin) + size(end), self.largest_of_series(x, 5), length)
     }
 
     /// The third derivative of that distance.

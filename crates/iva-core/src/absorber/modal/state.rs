@@ -122,6 +122,12 @@ impl<R: Real> Place<R> {
         shaken: None,
     };
 
+    /// True at a release or where a slide begins, at which A is 0 without rounding.
+    #[inline(always)]
+    pub(super) fn leaves(&self) -> bool {
+        self.shaken.is_some_and(|shaken| shaken[0] == 0.0)
+    }
+
     /// True if the mass moves with its point: stuck to a wall, or held in its gap.
     #[inline(always)]
     pub(super) fn carried(&self) -> bool {

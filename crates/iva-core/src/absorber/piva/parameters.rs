@@ -4,6 +4,7 @@ use super::STEEP;
 use crate::error::{Invalid, number};
 use crate::number::real::Real;
 use crate::range;
+use crate::segment::taylor::{Pendulum, Spring};
 
 /// The parameters of a pendulum absorber, in natural units (ωn = 1, primary mass 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +100,27 @@ impl<R: Real> Parameters<R> {
             frequency_ratio: R::ZERO,
             angles: Angles::Small,
             ..Self::point_bob(mass_ratio, restitution, clearance, damping_ratio, clearance)
+        }
+    }
+
+    /// The constants of the equations of motion.
+    pub(crate) fn pendulum(&self) -> Pendulum<R> {
+        let small_angles = self.angles == Angles::Small;
+        let lever = self.length / self.contact_distance;
+        let spring = Spring::new(self.spring_ratio, small_angles);
+        // At small angles spring and gravity are one.
+        let held = if small_angles { spring.stiffness } else { R::ZERO };
+        Pendulum {
+            mass_ratio: self.mass_ratio,
+            damping_ratio: self.damping_ratio,
+            contact_distance: self.contact_distance,
+            inertia_ratio: self.inertia_ratio,
+            lever,
+            coupling: R::ONE / (self.inertia_ratio * lever),
+            frequency_squared: self.frequency_ratio * self.frequency_ratio + held,
+            pivot_damping: self.pivot_damping_ratio * 2.0 * self.frequency_ratio,
+            spring,
+            small_angles,
         }
     }
 

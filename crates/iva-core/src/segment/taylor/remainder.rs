@@ -67,8 +67,10 @@ impl<R: Real> Remainder<R> {
         driven: [R; 2],
         (h, most): (R, R),
     ) -> Self {
-        let sums = Sums::new::<N>(series, most);
-        let defects = Defects::new(pendulum, &sums, driven, h * most, N);
+        let Series { x, u, a, y, w, c } = series;
+        let sums = Sums::new::<N>(Swung { y, w, c, a }, most);
+        let lasts = [x, u].map(|row| row[N].abs() * power(most, N));
+        let defects = Defects::new(pendulum, (&sums, lasts), driven, h * most, N);
         let [primary, gap, within] = defects.grown(pendulum, fastest, &sums, N as f64);
         Self { order: N, most, left_out: [primary, gap], within }
     }
@@ -129,10 +131,6 @@ fn power<R: Real>(p: R, n: usize) -> R {
 
 /// Sums over the coefficients of a series in powers of s.
 struct Sums<R> {
-    /// |x_N|.
-    x_last: R,
-    /// |u_N|.
-    u_last: R,
     /// |y_N|.
     y_last: R,
     /// |W_N| and |W_{N−1}|.
@@ -152,9 +150,18 @@ struct Sums<R> {
     cw_rate: R,
 }
 
+/// The series of a pendulum, and that of the acceleration of its pivot.
+#[derive(Clone, Copy)]
+struct Swung<'a, R> {
+    y: &'a [R; ORDER + 1],
+    w: &'a [R; ORDER + 1],
+    c: &'a [R; ORDER + 1],
+    a: &'a [R; ORDER + 1],
+}
+
 impl<R: Real> Sums<R> {
     #[inline(always)]
-    fn new<const N: usize>(series: &Series<R>, most: R) -> Self {
+    fn new<const N: usize>(series: Swung<'_, R>, most: R) -> Self {
         let mut scales = [R::ONE; ORDER + 1];
         let mut scale = R::ONE;
         #[allow(unused_assignments)] // after the last
@@ -171,27 +178,25 @@ impl<R: Real> Sums<R> {
         unrolled!(i < N + 1 => {
             // V needs the sums from m + 1 on, the others from m = N − i on.
             let m = N - i;
-            let c = size(&series.c, i);
+            let c = size(series.c, i);
             cw_rate = c.mul_add(w.mul_add(R::from(i as f64), w_rate), cw_rate);
-            let term = size(&series.w, m);
+            let term = size(series.w, m);
             w += term;
             #[allow(unused_assignments)] // after the last
             {
                 w_rate = term.mul_add(R::from(m as f64), w_rate);
             }
             if m < N {
-                a += size(&series.a, m);
+                a += size(series.a, m);
             }
             cw = c.mul_add(w, cw);
             ca = c.mul_add(a, ca);
-            yw = size(&series.y, i).mul_add(w, yw);
+            yw = size(series.y, i).mul_add(w, yw);
         });
         Self {
-            x_last: size(&series.x, N),
-            u_last: size(&series.u, N),
-            y_last: size(&series.y, N),
-            w_last: size(&series.w, N),
-            w_before: size(&series.w, N - 1),
+            y_last: size(series.y, N),
+            w_last: size(series.w, N),
+            w_before: size(series.w, N - 1),
             w,
             a,
             cw,
@@ -237,32 +242,32 @@ impl<R: Real> Own<R> {
         R::larger(R::larger(self.y, self.bc), turned)
     }
 
-    /// How far c² + y²/b² is from 1, as a share of what the bounds allow.
+    /// How far c² + y²/b² is from 1, as a share of what the bounds allow; `mobility`: φ·φ at the pivot.
     #[inline(always)]
-    fn off_circle(&self, pendulum: &Pendulum<R>) -> R {
+    fn off_circle(&self, pendulum: &Pendulum<R>, mobility: R) -> R {
         let over_b = R::ONE / pendulum.contact_distance;
         let circle = (self.y + self.bc) * over_b * 4.0;
-        circle * (pendulum.mass_ratio + 1.0) / (WIDER - 1.0)
+        circle * pendulum.mass_ratio.mul_add(mobility, R::ONE) / (WIDER - 1.0)
     }
 }
 
 /// Bounds on partial derivatives in the equations of one pendulum, on the neighbourhood.
 struct Slopes<R> {
-    /// Of a by the gap.
-    by_gap: R,
+    /// Of its pull at the pivot by the gap.
+    pull: R,
     /// Of ẏ and b ċ.
     swung: R,
-    /// Of Ẇ by the gap.
+    /// Of Ẇ by the gap, but for what comes through a.
     own: R,
 }
 
 impl<R: Real> Slopes<R> {
-    /// `acceleration`: the sum of the sizes of the coefficients of a, and its defect.
+    /// `defect`: that of a.
     #[inline(always)]
     fn new(
         pendulum: &Pendulum<R>,
         sums: &Sums<R>,
-        (acceleration, over_inertia): (R, R),
+        defect: R,
         (fastest, length): (R, R),
     ) -> Self {
         let Pendulum {
@@ -280,16 +285,14 @@ impl<R: Real> Slopes<R> {
         // Bounds on θ̇ = W/b and on β a/b on the neighbourhood; at small angles neither has an effect.
         let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
         let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
-        let pull = coupling * acceleration * over_b;
+        let pull = coupling * (sums.a + defect) * over_b;
         let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
         let wide = R::from(WIDER);
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
         let wound = spring.steepness(length * turning);
         let hanging = (r2 + nonlinear(r2) + wound + fastest * nu) * wide;
-        let by_gap =
-            (centrifugal + hanging + pulled * wide * 2.0) * (mass_ratio * lever * over_inertia);
-        let own = coupling * by_gap * wide + pulled + r2 + wound;
-        Self { by_gap, swung: turning + fastest * wide, own }
+        let pull = (centrifugal + hanging + pulled * wide * 2.0) * (mass_ratio * lever);
+        Self { pull, swung: turning + fastest * wide, own: pulled + r2 + wound }
     }
 }
 
@@ -316,7 +319,7 @@ impl<R: Real> Defects<R> {
     #[inline(always)]
     fn new(
         pendulum: &Pendulum<R>,
-        sums: &Sums<R>,
+        (sums, [x_last, u_last]): (&Sums<R>, [R; 2]),
         driven: [R; 2],
         length: R,
         order: usize,
@@ -326,9 +329,9 @@ impl<R: Real> Defects<R> {
         // D = 1 + μ − (μ/κ) c².
         let freed = R::ONE + mass_ratio * (R::ONE - R::ONE / pendulum.inertia_ratio);
         let over_inertia = R::from(WIDER) / freed;
-        let residual = own.pulled + sums.x_last + damping_ratio * 2.0 * sums.u_last + driven[0];
+        let residual = own.pulled + x_last + damping_ratio * 2.0 * u_last + driven[0];
         let acceleration = residual * over_inertia;
-        let (x, u) = (length * sums.u_last, length * (acceleration + driven[1]));
+        let (x, u) = (length * u_last, length * (acceleration + driven[1]));
         Self { length, over_inertia, acceleration, x, u, own }
     }
 
@@ -341,9 +344,11 @@ impl<R: Real> Defects<R> {
         let over_b = R::ONE / contact_distance;
         let wide = R::from(WIDER);
         let by_primary = by_primary(damping_ratio, over_inertia);
-        let pushed = (sums.a + acceleration, over_inertia);
-        let Slopes { by_gap, swung, own } = Slopes::new(pendulum, sums, pushed, (fastest, length));
+        let Slopes { pull, swung, own } =
+            Slopes::new(pendulum, sums, acceleration, (fastest, length));
+        let by_gap = pull * over_inertia;
         let growth = length / (order + 2.0);
+        let own = coupling * by_gap * wide + own;
         let gap = R::larger(swung, own / fastest + nu) * growth;
         let primary = R::larger(R::ONE, by_primary) * growth;
         let to_primary = by_gap * growth;
@@ -361,7 +366,7 @@ impl<R: Real> Defects<R> {
         let within = [of_gap * fastest * over_b, acceleration * coupling * over_b]
             .map(|it| it / NEIGHBOURHOOD)
             .into_iter()
-            .fold(self.own.off_circle(pendulum), R::larger);
+            .fold(self.own.off_circle(pendulum, R::ONE), R::larger);
         let bounded = (kept_primary > 0.0) & (kept_gap > 0.0) & (determinant > 0.0);
         [of_primary, of_gap, within].map(|it| if bounded { it } else { R::INFINITY })
     }

@@ -1,89 +1,92 @@
-//! Bound on the truncation error of the series of several pendulums on one structure, as in [`super`].
+//! Bound on the truncation error of the series of several pendulums on one structure, as in [`super`], with the order N = [`LAST`].
 //!
-//! The pendulums meet in the equation of a alone: its defect ρ is the sum of what each lacks, and the error of the gap of one
-//! reaches that of another through a. So Λ has a row and a column for the structure and for each gap, and
-//! (1 − Λ/(N+2))⁻¹ δ is found by elimination. Λ has no negative entry, so the bound holds where all pivots are positive:
-//! then the matrix is an M-matrix (A. Berman and R. J. Plemmons, *Nonnegative matrices in the mathematical sciences*, 1979).
-//! What is stuck to the structure adds to its mass.
+//! The structure has coordinates q with the velocities v. Their error is measured by max(Λ ‖q‖, ‖v‖), with a bound Λ on the growth of its
+//! derivatives: ‖K q + D v‖ ≤ Λ max(Λ ‖q‖, ‖v‖), and pendulums only add to its inertia. A pendulum at a point of shape φ pulls at it with ‖φ‖ times the
+//! defect of its own pull, and the error of the gap of one reaches that of another by the acceleration of its pivot.
+//! So the matrix of the growth has a row and a column for the structure and for each gap, and (1 − Λ/(N+2))⁻¹ δ is found by elimination. It
+//! has no negative entry, so the bound holds where all pivots are positive: then the matrix is an M-matrix
+//! (A. Berman and R. J. Plemmons, *Nonnegative matrices in the mathematical sciences*, 1979).
 
-use super::{MARGIN, NEIGHBOURHOOD, Own, Slopes, Sums, WIDER, by_primary, power};
+use super::{MARGIN, NEIGHBOURHOOD, Own, Slopes, Sums, Swung, WIDER, power};
 use crate::number::real::Real;
-use crate::segment::taylor::{ORDER, Pendulum, Series};
+use crate::segment::taylor::{Growing, ORDER};
 
-/// Bound on the truncation errors of the series of several pendulums, of order [`ORDER`].
+/// The order of the bound: the structure, whose coordinates are known up to [`ORDER`], is known by its velocities up to this one.
+pub(crate) const LAST: usize = ORDER - 1;
+
+/// Bound on the truncation errors of the series of several pendulums.
 #[derive(Debug, Clone)]
 pub(crate) struct RemainderOfSeveral<R> {
     /// The share of the step for which it was found.
     most: R,
-    /// Bound on the error of (x, u) there.
-    structure: R,
-    /// Bounds on the error of (y, W/F) there, of each gap.
-    gaps: Vec<R>,
+    /// Bounds on the error there: of the structure, then of (y, W/F) of each gap.
+    errors: Vec<R>,
     /// How much of the neighbourhood of the polynomials they need.
     within: R,
 }
 
-/// A pendulum with its series; what is stuck has no equation.
+/// A pendulum with its series, up to W of order [`LAST`].
 pub(crate) struct InFlight<'a, R> {
-    pub pendulum: &'a Pendulum<R>,
-    pub series: &'a Series<R>,
+    pub series: &'a Growing<'a, R, R, { ORDER + 1 }>,
+    /// ‖φ‖ at its point.
+    pub shape: R,
+}
+
+/// The structure as the bound sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shaking<R> {
+    /// Λ.
+    pub growth: R,
+    /// What its equations leave out of the forces on all coordinates beyond the orders below [`LAST`].
+    pub forces: R,
+    /// What is left out of the acceleration of the base.
+    pub base: R,
 }
 
 impl<R: Real> RemainderOfSeveral<R> {
-    /// The bound for the series of a step of length h, up to `most` of it, of a structure with damping ratio ζ to which
-    /// absorbers of mass ratio m are stuck: `carried` is (ζ, m). The other arguments are those of
-    /// [`super::Remainder::new`]. `None` if nothing is proved.
-    #[inline(always)]
+    /// The bound for the series of a step of length h, up to `most` of it; `fastest`: F, as in [`super::Remainder::new`]. `None` if nothing is proved.
     pub fn new(
         flying: &[InFlight<'_, R>],
-        structure: &Series<R>,
-        (damping_ratio, stuck): (R, R),
+        structure: &Shaking<R>,
         fastest: R,
-        (driven, h, most): ([R; 2], R, R),
+        (h, most): (R, R),
     ) -> Option<Self> {
-        let (length, n) = (h * most, R::from(ORDER as f64));
-        let of_structure = Sums::new::<ORDER>(structure, most);
-        let mut seen = Vec::with_capacity(flying.len());
-        for it in flying {
-            let sums = Sums::new::<ORDER>(it.series, most);
-            let own = Own::new(it.pendulum, &sums, length, ORDER);
-            seen.push((sums, own));
-        }
-        let freed = |it: &InFlight<'_, R>| {
-            it.pendulum.mass_ratio * (R::ONE - R::ONE / it.pendulum.inertia_ratio)
+        let (length, n) = (h * most, R::from(LAST as f64));
+        let of = |it: &InFlight<'_, R>| {
+            let Growing { pendulum, y, w, c, a, .. } = it.series;
+            let sums = Sums::new::<LAST>(Swung { y, w, c, a }, most);
+            let own = Own::new(pendulum, &sums, length, LAST);
+            (sums, own)
         };
-        let inertia = flying.iter().fold(R::ONE + stuck, |sum, it| sum + freed(it));
-        let over_inertia = R::from(WIDER) / inertia;
-        let residual = seen.iter().fold(R::ZERO, |sum, (_, own)| sum + own.pulled)
-            + of_structure.x_last
-            + damping_ratio * 2.0 * of_structure.u_last
-            + driven[0];
-        let acceleration = residual * over_inertia;
-        let pushed = (of_structure.a + acceleration, over_inertia);
-        let mut slopes = Vec::with_capacity(flying.len());
-        for (it, (sums, _)) in flying.iter().zip(&seen) {
-            slopes.push(Slopes::new(it.pendulum, sums, pushed, (fastest, length)));
-        }
+        let seen: Vec<(Sums<R>, Own<R>)> = flying.iter().map(of).collect();
+        let wide = R::from(WIDER);
+        let pulled = flying.iter().zip(&seen);
+        let pulled = pulled.fold(R::ZERO, |sum, (it, (_, own))| it.shape.mul_add(own.pulled, sum));
+        // That of all accelerations of the structure.
+        let defect = (pulled + structure.forces) * wide;
+        let at = |it: &InFlight<'_, R>| it.shape.mul_add(defect, structure.base);
+        let each = flying.iter().zip(&seen);
+        let slopes: Vec<Slopes<R>> = each
+            .map(|(it, (sums, _))| Slopes::new(it.series.pendulum, sums, at(it), (fastest, length)))
+            .collect();
 
         // Rows and columns: the structure, then the gaps.
         let count = flying.len() + 1;
         let growth = length / (n + 2.0);
-        let by_primary = by_primary(damping_ratio, over_inertia);
-        let wide = R::from(WIDER);
+        // Of the accelerations of the structure by its own error, and by that of a gap.
+        let through = |column: usize| match column.checked_sub(1) {
+            None => structure.growth * wide,
+            Some(from) => flying[from].shape * slopes[from].pull * wide,
+        };
         let entry = |row: usize, column: usize| {
-            let through_a = match column.checked_sub(1) {
-                None => by_primary,
-                Some(from) => slopes[from].by_gap,
-            };
-            let Some(to) = row.checked_sub(1) else {
-                return if column == 0 { R::larger(R::ONE, by_primary) } else { through_a };
-            };
-            let pendulum = flying[to].pendulum;
-            if row == column {
-                let Slopes { swung, own, .. } = slopes[to];
-                return R::larger(swung, own / fastest + pendulum.pivot_damping);
+            let Some(to) = row.checked_sub(1) else { return through(column) };
+            let (pendulum, shape) = (flying[to].series.pendulum, flying[to].shape);
+            let by = pendulum.coupling * shape * through(column) * wide;
+            if row != column {
+                return by / fastest;
             }
-            pendulum.coupling * through_a * wide / fastest
+            let Slopes { swung, own, .. } = slopes[to];
+            R::larger(swung, (by + own) / fastest + pendulum.pivot_damping)
         };
         let mut kept = Vec::with_capacity(count * count);
         for row in 0..count {
@@ -92,34 +95,28 @@ impl<R: Real> RemainderOfSeveral<R> {
                 kept.push(one - entry(row, column) * growth);
             }
         }
-        let begin = R::larger(length * of_structure.u_last, length * (acceleration + driven[1]));
         let mut errors = Vec::with_capacity(count);
-        errors.push(begin);
+        errors.push(length * defect);
         for (it, (_, own)) in flying.iter().zip(&seen) {
-            errors.push(own.delta(it.pendulum, acceleration, length, fastest));
+            errors.push(own.delta(it.series.pendulum, at(it), length, fastest));
         }
         solve(&mut kept, &mut errors)?;
         let scale = R::from(MARGIN) / (n + 1.0);
-        let mut errors = errors.into_iter().map(|error| error * scale);
-        let structure = errors.next()?;
-        let gaps: Vec<R> = errors.collect();
+        errors.iter_mut().for_each(|error| *error *= scale);
 
         // Within the neighbourhood, as for one pendulum.
-        let shaken = slopes
-            .iter()
-            .zip(&gaps)
-            .fold(by_primary * structure, |sum, (slopes, gap)| sum + slopes.by_gap * *gap);
-        let mut within = R::ZERO;
-        let mut off_circle = R::ZERO;
-        for ((it, (_, own)), gap) in flying.iter().zip(&seen).zip(&gaps) {
-            let over_b = R::ONE / it.pendulum.contact_distance;
-            off_circle += own.off_circle(it.pendulum);
-            for size in [*gap * fastest * over_b, shaken * it.pendulum.coupling * over_b] {
-                within = R::larger(within, size / NEIGHBOURHOOD);
-            }
+        let shaken = (0..count).fold(R::ZERO, |sum, k| through(k).mul_add(errors[k], sum));
+        let [mut within, mut off_circle] = [R::ZERO; 2];
+        for (k, (it, (_, own))) in flying.iter().zip(&seen).enumerate() {
+            let pendulum = it.series.pendulum;
+            let over_b = R::ONE / pendulum.contact_distance;
+            off_circle += own.off_circle(pendulum, it.shape * it.shape);
+            let swung = errors[k + 1] * fastest * over_b;
+            let pulled = it.shape * shaken * pendulum.coupling * over_b;
+            within = R::larger(within, R::larger(swung, pulled) / NEIGHBOURHOOD);
         }
         let within = R::larger(within, off_circle);
-        (within < R::INFINITY).then_some(Self { most, structure, gaps, within })
+        (within < R::INFINITY).then_some(Self { most, errors, within })
     }
 
     /// The share of the step for which it was found.
@@ -127,12 +124,15 @@ impl<R: Real> RemainderOfSeveral<R> {
         self.most
     }
 
-    /// By how much the bounds up to a share exceed what is allowed: of the error of (x, u), and of that of each gap. They hold,
-    /// and nothing exceeds, where it is at most 1.
-    pub fn excess(&self, share: R, structure: R, gaps: &[R]) -> R {
-        let gaps = self.gaps.iter().zip(gaps).map(|(gap, allowed)| *gap / *allowed);
-        let worst = gaps.fold(self.structure / structure, R::larger);
-        R::larger(worst, self.within) * power(share / self.most, ORDER + 1)
+    /// By how much the bounds at [`Self::most`] exceed what is allowed: of the error of the structure, then of that of each gap.
+    pub fn excess(&self, allowed: impl Iterator<Item = R>) -> R {
+        let each = self.errors.iter().zip(allowed);
+        each.fold(self.within, |most, (error, allowed)| R::larger(most, *error / allowed))
+    }
+
+    /// By how much less they exceed it up to another share.
+    pub fn part(&self, share: R) -> R {
+        power(share / self.most, LAST + 1)
     }
 }
 

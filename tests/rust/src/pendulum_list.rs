@@ -2,15 +2,16 @@
 
 use iva_core::{
     absorber::Point,
-    absorber::mixed::{Mixed, MixedStart, OneOf, Posed},
+    flight::GapPoint,
     force::{Acts, Force, Harmonic},
     host::UndrivenHost,
-    piva::{Angles, Given, Parameters, Piva},
+    piva::{Angles, Given, Parameters, Piva, PivaStart},
     real::Real,
     simulate::Limits,
     siva::FreeMass,
 };
 
+use crate::list::{self, List, Starts};
 use crate::rng::Rng;
 
 /// An absorber and its start, in plain numbers.
@@ -90,12 +91,14 @@ pub fn mass<R: Real>(any: &Any) -> FreeMass<R> {
 }
 
 /// A list on a structure of damping ratio ζ.
-pub fn mixed<R: Real>(all: &[Any], zeta: f64) -> Mixed<UndrivenHost<R>> {
-    let one = |any: &Any| match any.swing {
-        Some(_) => OneOf::pendulum(piva(any, zeta)).unwrap(),
-        None => OneOf::Mass(mass(any)),
-    };
-    Mixed::new(R::from(zeta), all.iter().map(one).collect()).unwrap()
+pub fn mixed<R: Real>(all: &[Any], zeta: f64) -> List<UndrivenHost<R>> {
+    let masses: Vec<_> = all
+        .iter()
+        .map(|any| mass(&Any { offset: if any.swing.is_some() { 0.0 } else { any.offset }, ..*any }))
+        .collect();
+    let pendulums: Vec<_> =
+        all.iter().map(|any| any.swing.map(|_| parameters(any, zeta))).collect();
+    list::list(R::from(zeta), &masses).with_pendulums(&pendulums).unwrap()
 }
 
 /// y, with the offset of the gap, and w.
@@ -106,13 +109,19 @@ pub fn placed<R: Real>(any: &Any) -> [R; 2] {
 }
 
 /// The start of a list, from x and ẋ.
-pub fn start<R: Real>([x, v]: [f64; 2], all: &[Any]) -> MixedStart<R> {
-    let posed = |any: &Any| {
-        let [y, w] = placed(any);
-        Posed { place: Given::Gap(y), rate: Given::Gap(w) }
-    };
-    let posed: Vec<Posed<R>> = all.iter().map(posed).collect();
-    MixedStart::of(Point { x: x.into(), v: v.into() }, &posed)
+pub fn start<R: Real>([x, v]: [f64; 2], all: &[Any]) -> Starts<R> {
+    list::begun(Point { x: x.into(), v: v.into() }, &gaps(all))
+}
+
+/// y and w of each.
+pub fn gaps<R: Real>(all: &[Any]) -> Vec<GapPoint<R>> {
+    all.iter().map(placed).map(|[y, w]| GapPoint { y, w }).collect()
+}
+
+/// The start of a pendulum by itself.
+pub fn by_itself<R: Real>([x, v]: [f64; 2], any: &Any) -> PivaStart<R> {
+    let [place, rate] = placed(any).map(Given::Gap);
+    PivaStart { displacement: x.into(), velocity: v.into(), place, rate }
 }
 
 /// A harmonic force, or motion of the base.

@@ -3,17 +3,19 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
-    absorber::mixed::{MixedStart, Posed},
+    absorber::Point,
     force::Acts,
     impact::Impact,
     observe::Events,
-    piva::{Given, PivaStart},
     propagation::Errors,
     real::{Real, twofold::Twofold},
     simulate::simulate,
 };
 use iva_tests::covered::Covered;
-use iva_tests::mixed_list::{Any, any, any_list, limits, mixed, parameters, piva, push, start};
+use iva_tests::list::{Starts, begun, driven};
+use iva_tests::pendulum_list::{
+    Any, any, any_list, by_itself, gaps, limits, mixed, parameters, piva, push, start,
+};
 use iva_tests::rng::Rng;
 use iva_tests::some;
 
@@ -33,12 +35,12 @@ impl Scene {
     }
 
     /// The impacts of a run from a start, and the errors of one in doubles.
-    fn events<R: Real>(&self, begun: &MixedStart<R>, duration: f64) -> Events<R> {
+    fn events<R: Real>(&self, begun: &Starts<R>, duration: f64) -> Events<R> {
         let (system, limits) = (mixed::<R>(&self.all, self.zeta), limits::<R>(duration));
         let mut events = Events::default();
         match self.acts {
             Some(acts) => {
-                let system = system.under(push(0.4, 0.9, acts));
+                let system = driven(&system, push(0.4, 0.9, acts));
                 simulate(&system, begun, &limits, None, &mut events).unwrap();
             }
             None => {
@@ -53,7 +55,7 @@ impl Scene {
         let (begun, mut errors) = (start(self.at, &self.all), Errors::default());
         match self.acts {
             Some(acts) => {
-                let system = system.under(push(0.4, 0.9, acts));
+                let system = driven(&system, push(0.4, 0.9, acts));
                 simulate(&system, &begun, &limits, None, &mut errors).unwrap();
             }
             None => {
@@ -95,10 +97,7 @@ fn one_in_a_list_has_those_of_a_pendulum() {
         let scene =
             Scene { all: vec![one], at: [rng.range(0.5, 2.0), 0.3], zeta: 0.01, acts: None };
         let listed = scene.errors(12.0);
-        let begun = start::<f64>(scene.at, &scene.all);
-        let Posed { place, rate } = begun.each[0];
-        let [displacement, velocity] = scene.at;
-        let by_itself = PivaStart { displacement, velocity, place, rate };
+        let by_itself = by_itself::<f64>(scene.at, &one);
         let (alone, mut errors) = (piva::<f64>(&one, scene.zeta), Errors::default());
         simulate(&alone, &by_itself, &limits(12.0), None, &mut errors).unwrap();
         for (one, other) in listed.impacts.iter().zip(&errors.impacts).take(8) {
@@ -114,15 +113,15 @@ fn one_in_a_list_has_those_of_a_pendulum() {
 }
 
 /// The gap displacement or velocity of an absorber, of which a small difference is that of y or W alone.
-fn varied(scene: &Scene, variable: usize, by: Twofold) -> MixedStart<Twofold> {
-    let mut begun = start::<Twofold>(scene.at, &scene.all);
+fn varied(scene: &Scene, variable: usize, by: Twofold) -> Starts<Twofold> {
+    let [mut x, mut v] = scene.at.map(Twofold::from);
+    let mut gaps = gaps::<Twofold>(&scene.all);
     match variable {
-        0 => begun.primary.x += by,
-        1 => begun.primary.v += by,
+        0 => x += by,
+        1 => v += by,
         _ => {
             let (k, of_rate) = (variable / 2 - 1, variable % 2 == 1);
-            let posed = &mut begun.each[k];
-            let (Given::Gap(y), Given::Gap(w)) = (posed.place, posed.rate) else { panic!() };
+            let gap = &mut gaps[k];
             let swing = scene.all[k].swing.filter(|(_, small)| !small);
             let cosine = |y: Twofold| match swing {
                 Some(_) => {
@@ -133,12 +132,12 @@ fn varied(scene: &Scene, variable: usize, by: Twofold) -> MixedStart<Twofold> {
                 None => Twofold::ONE,
             };
             // W = w/cosθ.
-            let faster = w / cosine(y) + if of_rate { by } else { Twofold::ZERO };
-            let y = if of_rate { y } else { y + by };
-            *posed = Posed { place: Given::Gap(y), rate: Given::Gap(cosine(y) * faster) };
+            let faster = gap.w / cosine(gap.y) + if of_rate { by } else { Twofold::ZERO };
+            gap.y += if of_rate { Twofold::ZERO } else { by };
+            gap.w = cosine(gap.y) * faster;
         }
     }
-    begun
+    begun(Point { x, v }, &gaps)
 }
 
 /// The condition is the largest change of an impact time per change of a start value, by differences in twice the precision:

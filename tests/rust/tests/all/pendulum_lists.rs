@@ -1,26 +1,25 @@
 //! Free masses and pendulums on one structure.
 //!
-//! Numbers come from closed forms (a list of one pendulum is the pendulum, a list of free masses the list that flies in
-//! closed form, equal pendulums in one phase are one), from momentum and energy, from the mirror image of a scene, and from
+//! Numbers come from other formulas (a list of one pendulum is the pendulum, equal pendulums in one phase are one), from momentum and energy, from the mirror image of a scene, and from
 //! runs in numbers of twice the precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
-    absorber::mixed::{Mixed, OneOf, Posed},
-    absorber::{Absorber, ImpactLaw, OnStructure, Point},
+    absorber::{Absorber, ImpactLaw, OnStructure},
     error::Invalid,
-    flight::GapPoint,
     force::{Acts, Force, Impulse},
     host::{Host, UndrivenHost},
     impact::Impact,
     observe::StickEpisode,
-    piva::{Parameters, Piva, PivaStart},
+    piva::{Parameters, Piva},
     real::{Real, twofold::Twofold},
     run::{Run, run},
     simulate::{Outcome, resume, simulate},
 };
-use iva_tests::list::{self, driven, list};
-use iva_tests::mixed_list::{Any, any, any_list, limits, mass, mixed, piva, placed, push, start};
+use iva_tests::list::{List, driven, list};
+use iva_tests::pendulum_list::{
+    Any, any, any_list, by_itself, limits, mass, mixed, parameters, piva, push, start,
+};
 use iva_tests::rng::Rng;
 
 /// An impact: the index of its absorber, and numbers.
@@ -102,18 +101,16 @@ fn a_list_of_one_pendulum_is_the_pendulum() {
         let one = any(&mut rng, true);
         let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
         let zeta = rng.range(0.0, 0.1);
-        let system: Mixed<UndrivenHost<Twofold>> = mixed(&[one], zeta);
+        let system: List<UndrivenHost<Twofold>> = mixed(&[one], zeta);
         let alone: Piva<UndrivenHost<Twofold>> = piva(&one, zeta);
         let begun = start::<Twofold>(at, &[one]);
-        let Posed { place, rate } = begun.each[0];
-        let Point { x: displacement, v: velocity } = begun.primary;
-        let by_itself = PivaStart { displacement, velocity, place, rate };
+        let by_itself = by_itself::<Twofold>(at, &one);
         let limits = limits::<Twofold>(15.0);
         let acts = if k % 4 == 0 { Acts::Base } else { Acts::Primary };
         let force = || push::<Twofold>(0.4, 0.9, acts);
         let [a, b] = if k % 2 == 0 {
             [
-                told(run(&system.under(force()), &begun, &limits)),
+                told(run(&driven(&system, force()), &begun, &limits)),
                 told(run(&alone.under(force()), &by_itself, &limits)),
             ]
         } else {
@@ -125,43 +122,9 @@ fn a_list_of_one_pendulum_is_the_pendulum() {
     assert!(counted[0] > 100 && counted[1] > 20, "{counted:?}");
 }
 
-/// In numbers of twice the precision, a list of free masses is that which flies in closed form.
-#[test]
-fn a_list_of_masses_is_that_of_closed_form() {
-    let mut rng = Rng::new(7);
-    let mut counted = [0; 2];
-    for k in 0..16 {
-        let all: [Any; 3] = std::array::from_fn(|_| any(&mut rng, false));
-        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
-        let zeta = rng.range(0.0, 0.1);
-        let system: Mixed<UndrivenHost<Twofold>> = mixed(&all, zeta);
-        let closed = list(Twofold::from(zeta), &all.map(|any| mass(&any)));
-        let begun = start::<Twofold>(at, &all);
-        let gaps = all.map(|any| {
-            let [y, w] = placed(&any);
-            GapPoint { y, w }
-        });
-        let of_closed = list::begun(begun.primary, &gaps);
-        let limits = limits::<Twofold>(12.0);
-        let acts = if k % 4 == 0 { Acts::Base } else { Acts::Primary };
-        let force = || push::<Twofold>(0.4, 0.9, acts);
-        let [a, b] = if k % 2 == 0 {
-            [
-                told(run(&system.under(force()), &begun, &limits)),
-                told(run(&driven(&closed, force()), &of_closed, &limits)),
-            ]
-        } else {
-            [told(run(&system, &begun, &limits)), told(run(&closed, &of_closed, &limits))]
-        };
-        let more = agree(&a, &b, 1e-12, &format!("scene {k}"));
-        counted = [counted[0] + more[0], counted[1] + more[1]];
-    }
-    assert!(counted[0] > 100 && counted[1] > 20, "{counted:?}");
-}
-
 /// Impacts, energies and gaps of a run.
 fn held<H: Host<Real = f64>>(
-    system: &Mixed<H>,
+    system: &List<H>,
     at: [f64; 2],
     all: &[Any],
     counted: &mut [usize],
@@ -204,9 +167,9 @@ fn energy_holds() {
                     .map(|time| Impulse { velocity: rng.range(-1.0, 1.0), time });
                 let harmonics = push::<f64>(0.3, 1.2, Acts::Primary).harmonics().to_vec();
                 let force = Force::new(harmonics, vec![], &kicks).unwrap();
-                held(&system.under(force), at, &all, &mut counted)
+                held(&driven(&system, force), at, &all, &mut counted)
             }
-            1 => held(&system.under(push(0.5, 1.05, Acts::Base)), at, &all, &mut counted),
+            1 => held(&driven(&system, push(0.5, 1.05, Acts::Base)), at, &all, &mut counted),
             _ => held(&system, at, &all, &mut counted),
         };
     }
@@ -220,7 +183,7 @@ fn an_impact_keeps_the_momentum() {
     let mut rng = Rng::new(17);
     for _ in 0..200 {
         let all = any_list(&mut rng, 3);
-        let system: Mixed<UndrivenHost<f64>> = mixed(&all, 0.02);
+        let system: List<UndrivenHost<f64>> = mixed(&all, 0.02);
         // The first at its wall + and moving towards it.
         let mut all = all;
         all[0].start = [1.0, rng.range(0.1, 1.0)];
@@ -257,9 +220,9 @@ fn equal_pendulums_in_one_phase_are_one() {
             ..one
         };
         let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
-        let single: Mixed<UndrivenHost<Twofold>> = mixed(&[one], 0.03);
+        let single: List<UndrivenHost<Twofold>> = mixed(&[one], 0.03);
         let all = [third; 4];
-        let list: Mixed<UndrivenHost<Twofold>> = mixed(&all, 0.03);
+        let list: List<UndrivenHost<Twofold>> = mixed(&all, 0.03);
         let a = run(&single, &start(at, &[one]), &limits(15.0)).unwrap();
         let b = run(&list, &start(at, &all), &limits(15.0)).unwrap();
         assert_eq!(4 * a.impacts.len(), b.impacts.len());
@@ -335,8 +298,8 @@ fn doubles_agree_with_twice_the_precision() {
             let precise = run(&mixed::<Twofold>(&all, 0.02), &start(at, &all), &limits(12.0));
             [rows(&plain.impacts), rows(&precise.unwrap().impacts)]
         } else {
-            let plain = mixed::<f64>(&all, 0.02).under(push(0.4, 0.9, acts));
-            let precise = mixed::<Twofold>(&all, 0.02).under(push(0.4, 0.9, acts));
+            let plain = driven(&mixed::<f64>(&all, 0.02), push(0.4, 0.9, acts));
+            let precise = driven(&mixed::<Twofold>(&all, 0.02), push(0.4, 0.9, acts));
             let plain = run(&plain, &start(at, &all), &limits(12.0)).unwrap();
             let precise = run(&precise, &start(at, &all), &limits(12.0)).unwrap();
             [rows(&plain.impacts), rows(&precise.impacts)]
@@ -355,7 +318,7 @@ fn a_divided_run_goes_on() {
     let mut stuck = 0;
     for _ in 0..16 {
         let all = any_list(&mut rng, 3);
-        let system = mixed::<Twofold>(&all, 0.02).under(push(1.0, 0.4, Acts::Primary));
+        let system = driven(&mixed::<Twofold>(&all, 0.02), push(1.0, 0.4, Acts::Primary));
         let start = start([1.5, 0.0], &all);
         let whole = simulate(&system, &start, &limits(12.0), None, &mut ()).unwrap();
         let middle: f64 = rng.range(2.0, 10.0);
@@ -373,18 +336,20 @@ fn a_divided_run_goes_on() {
 /// What a list does not take is refused with the field.
 #[test]
 fn what_a_list_does_not_take_is_refused() {
-    let far = Parameters::point_bob(0.1, 0.5, 2.0, 0.0, 1.0);
-    let error = OneOf::pendulum(Piva::new(far).unwrap()).unwrap_err();
-    assert_eq!(error.field, "absorber.clearance");
-    let printed = iva_core::piva::ImpactLaw::Printed;
-    let printed =
-        Parameters { impact_law: printed, ..Parameters::point_bob(0.1, 0.5, 0.2, 0.0, 1.0) };
-    let error = OneOf::pendulum(Piva::new(printed).unwrap()).unwrap_err();
-    assert_eq!(error.field, "absorber.impact_law");
-    assert!(Mixed::<UndrivenHost>::new(0.0, vec![]).is_err());
     let mut rng = Rng::new(1);
     let mut one = any(&mut rng, true);
-    let system: Mixed<UndrivenHost<f64>> = mixed(&[one, one], 0.0);
+    let refused = |parameters: Parameters| {
+        let list: List<UndrivenHost<f64>> = list(0.0, &[mass(&one)]);
+        list.with_pendulums(&[Some(parameters)]).unwrap_err().field
+    };
+    let far = Parameters { contact_distance: one.common[3], ..parameters(&one, 0.0) };
+    assert_eq!(refused(far), "absorber.0.clearance");
+    let printed = iva_core::piva::ImpactLaw::Printed;
+    let printed = Parameters { impact_law: printed, ..parameters(&one, 0.0) };
+    assert_eq!(refused(printed), "absorber.0.impact_law");
+    let heavy = Parameters { inertia_ratio: 0.5, ..parameters(&one, 0.0) };
+    assert_eq!(refused(heavy), "absorber.0.inertia_ratio");
+    let system: List<UndrivenHost<f64>> = mixed(&[one, one], 0.0);
     one.start = [1.5, 0.0];
     let error = system.check_start(&start([1.0, 0.0], &[one, one])).unwrap_err();
     assert_eq!(error.field, "start.0.gap_displacement");

@@ -1,0 +1,209 @@
+//! Pendulums among the members.
+//!
+//! A pendulum hangs from its point between two stops. Its gap displacement y = b sinθ, its walls, its law of restitution and the place in its gap are those of
+//! a mass; what it has beyond is how it swings ([`crate::segment::taylor`]):
+//!
+//! ```text
+//! Ẇ = −(β A c + r² y + σ² φ + ν W),    ẏ = c W,    W = b θ̇,    c = cosθ,    A = ü + a_g at its point,
+//! ```
+//!
+//! and that it pulls at its point with −μ (A + λ ÿ), λ = L/b: as if a part η = μ (1 − c²/κ) of its mass were fixed to the point, and as a force beside.
+//! Where an impact or an impulse changes u̇ by Δu̇, a pendulum in flight takes the part η of its mass along and follows by Δẏ = −β c² Δu̇.
+//! On a wall all of its mass is carried, and what it would do if it were free, −ÿ = β c² A + c (r² y + σ² φ), takes the place of the acceleration of a mass.
+
+use super::state::Place;
+use super::structure::same;
+use super::{Modal, ModalState};
+use crate::absorber::{Angle, Wall};
+use crate::absorber::piva::{Angles, Parameters};
+use crate::error::{Invalid, number};
+use crate::host::{Host, UndrivenHost};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::taylor::{Pendulum, Posture};
+
+/// A pendulum with its constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hanging<R> {
+    pub parameters: Parameters<R>,
+    pub pendulum: Pendulum<R>,
+}
+
+/// A share of an inertia below which nothing is fixed to the point: its reciprocal would overflow.
+const NO_INERTIA: f64 = 1e-200;
+
+impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
+    /// The same members, some of which are pendulums: of their parameters all count but damping ratio of the structure, clearance, restitution and tolerance,
+    /// which are those of the member.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a number out of its range, for stops that the pendulum cannot reach, for the impact law as the paper prints it, and for parameters that are not
+    /// as many as members.
+    pub fn with_pendulums(mut self, pendulums: &[Option<Parameters<R>>]) -> Result<Self, Invalid> {
+        same("absorber.kind", pendulums.len(), self.count())?;
+        if pendulums.iter().all(Option::is_none) {
+            return Ok(self);
+        }
+        for (k, parameters) in pendulums.iter().enumerate() {
+            let Some(parameters) = parameters else { continue };
+            let field = |name: &str| format!("absorber.{k}.{name}");
+            let mass = &self.masses[k];
+            let parameters = Parameters {
+                mass_ratio: mass.mass_ratio,
+                clearance: mass.clearance,
+                restitution: R::ZERO,
+                damping_ratio: R::ZERO,
+                tolerance: R::ZERO,
+                ..*parameters
+            };
+            parameters.check().map_err(|error| {
+                let name = error.field.strip_prefix("absorber.").unwrap_or(&error.field);
+                Invalid { field: field(name), ..error }
+            })?;
+            if parameters.impact_law == crate::absorber::piva::ImpactLaw::Printed {
+                let rule = "beside other absorbers, and on modes, pendulums have the consistent impact law";
+                return Err(Invalid::new(field("impact_law"), "\"printed\"", rule));
+            }
+            let most = parameters.contact_distance - mass.offset.abs();
+            if parameters.angles == Angles::Large && mass.clearance >= most {
+                let rule = format!(
+                    "beside other absorbers, and on modes, a pendulum must reach its stops: give less than {}",
+                    number(most)
+                );
+                return Err(Invalid::new(field("clearance"), number(mass.clearance), rule));
+            }
+            let pendulum = parameters.pendulum();
+            self.pendulums[k] = Some(Hanging { parameters, pendulum });
+        }
+        Ok(self.completed())
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// The parameters of a pendulum; `None` of a mass.
+    pub fn pendulum(&self, absorber: usize) -> Option<&Parameters<R>> {
+        self.pendulums.get(absorber)?.as_ref().map(|it| &it.parameters)
+    }
+
+    /// The constants of a pendulum.
+    #[inline(always)]
+    pub(super) fn hanging(&self, k: usize) -> Option<&Pendulum<R>> {
+        self.pendulums[k].as_ref().map(|it| &it.pendulum)
+    }
+
+    /// The pendulums that swing while the members have these places.
+    pub(super) fn swinging<'a>(
+        &'a self,
+        places: &'a [Place<R>; N],
+    ) -> impl Iterator<Item = (usize, &'a Pendulum<R>)> {
+        let all = if self.swings() { self.count() } else { 0 };
+        let flying = (0..all).filter(|k| !places[*k].carried());
+        flying.filter_map(|k| Some((k, self.hanging(k)?)))
+    }
+
+    /// y in double-double.
+    fn gap_of_place(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        let mass = &self.masses[k];
+        let left = DoubleDouble::new(mass.clearance) - place.distance;
+        DoubleDouble { value: place.side * left.value, rest: place.side * left.rest }
+            .plus(mass.offset)
+    }
+
+    /// How a pendulum hangs, to twice the precision.
+    pub(super) fn posture(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> Posture<DoubleDouble<R>> {
+        let y = self.gap_of_place(k, place);
+        let c = is.precise_cosine(y);
+        let rate = place.rate.over_sum(c);
+        let w = DoubleDouble { value: -place.side * rate.value, rest: -place.side * rate.rest };
+        Posture { y, w, c, arc: is.arc(y, c) }
+    }
+
+    /// W in plain numbers.
+    pub(super) fn turning(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
+        -place.side * place.rate.value / self.cosine(k, is, place)
+    }
+
+    /// c.
+    fn cosine(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
+        is.cosine(self.gap_of_place(k, place).value)
+    }
+
+    /// By how much less a member accelerates away from its point than a free mass: β c² of a pendulum.
+    pub(super) fn follows(&self, k: usize, place: &Place<R>) -> R {
+        self.hanging(k).map_or(R::ONE, |is| {
+            let c = self.cosine(k, is, place);
+            is.coupling * (c * c)
+        })
+    }
+
+    /// [`Modal::follows`] to twice the precision.
+    pub(super) fn follows_precisely(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        self.hanging(k).map_or(DoubleDouble::new(R::ONE), |is| {
+            let c = is.precise_cosine(self.gap_of_place(k, place));
+            (c * c).times(is.coupling)
+        })
+    }
+
+    /// The place of a member that touches a wall.
+    pub(super) fn at_wall(&self, k: usize, wall: Wall) -> Place<R> {
+        let far = Place { side: R::from(wall.sign()), ..Place::FAR };
+        debug_assert!(k < self.count(), "a wall of a member");
+        Place { distance: DoubleDouble::ZERO, ..far }
+    }
+
+    /// c (r² y + σ² φ): how gravity and the spring in its pivot pull a pendulum back that is on a wall; 0 for a mass.
+    pub(super) fn drawn(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        let Some(is) = self.hanging(k) else { return DoubleDouble::ZERO };
+        let Posture { y, c, arc, .. } = self.posture(k, is, place);
+        (y.times(is.frequency_squared) + arc.times(is.spring.acting())) * c
+    }
+
+    /// λ = L/b; 1 of a mass.
+    pub(super) fn lever(&self, k: usize) -> R {
+        self.hanging(k).map_or(R::ONE, |is| is.lever)
+    }
+
+    /// The reciprocal of the inertia that moves with the point: that of a member which is carried along or has an impact, or of the part η of a pendulum in flight.
+    /// `None` if there is no such inertia.
+    pub(super) fn inertia_over(
+        &self,
+        k: usize,
+        place: &Place<R>,
+        whole: bool,
+    ) -> Option<DoubleDouble<R>> {
+        if whole {
+            return Some(self.lightness(k));
+        }
+        let is = self.hanging(k)?;
+        let own: DoubleDouble<R> = is.own_inertia(self.gap_of_place(k, place));
+        (own.value > NO_INERTIA).then(|| DoubleDouble::new(R::ONE) / own)
+    }
+
+    /// The energy of a pendulum in a place, whose point has a velocity v.
+    pub(super) fn energy_of_pendulum(&self, k: usize, is: &Pendulum<R>, place: &Place<R>, v: R) -> R {
+        let Posture { y, w, c, arc } = self.posture(k, is, place);
+        let (y, w, c) = (y.value, w.value, c.value);
+        let Pendulum { mass_ratio, inertia_ratio, lever, .. } = *is;
+        let own = inertia_ratio * (lever * lever);
+        let swept = v * v + v * 2.0 * lever * (c * w) + own * (w * w);
+        // 1 − cosθ without cancellation; θ²/2 at small angles, where r² contains the spring.
+        let risen = is.frequency_squared * (y * y) * 2.0 / (R::ONE + c);
+        let wound = is.spring.acting() * (arc.value * arc.value);
+        mass_ratio * 0.5 * (swept + own * (risen + wound))
+    }
+
+    /// Angle and angular velocity of a pendulum.
+    pub(super) fn angle_of(&self, state: &ModalState<H, N, M>, k: usize) -> Option<Angle<R>> {
+        self.angle_at(k, &state.places[k])
+    }
+
+    /// Those in a place.
+    pub(super) fn angle_at(&self, k: usize, place: &Place<R>) -> Option<Angle<R>> {
+        let is = self.hanging(k)?;
+        let Posture { y, w, c, .. } = self.posture(k, is, place);
+        let over_b = R::ONE / is.contact_distance;
+        let sine = y.value * over_b;
+        let value = if is.small_angles { sine } else { R::atan2(sine, c.value) };
+        Some(Angle { value, rate: w.value * over_b })
+    }
+}
