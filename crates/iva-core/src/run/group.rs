@@ -80,7 +80,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
         let Job { system, start, begin, limits, steady, .. } = job;
         let Listing { events, errors, extremes, passes, .. } = self.listing;
         // In the fast tier states of free masses are plain doubles; those of pendulums are as in the exact tier.
-        let plain = !S::Way::LOOKS_WITHIN && S::tier(job) == Tier::Fast;
+        let plain = !S::Way::looks_within(system) && S::tier(job) == Tier::Fast;
         let estimate = || if plain { Errors::in_doubles() } else { Errors::default() };
         let from = steady.map_or(*begin, |(_, window)| window.from);
         let passes = Passes::new(from, passes.iter().map(|make| make()).collect());

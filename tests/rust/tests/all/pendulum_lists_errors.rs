@@ -14,7 +14,7 @@ use iva_core::{
 use iva_tests::covered::Covered;
 use iva_tests::list::{Starts, begun, driven};
 use iva_tests::pendulum_list::{
-    Any, any, any_list, by_itself, gaps, limits, mixed, parameters, piva, push, start,
+    Any, any, any_list, by_itself, gaps, limits, mixed, piva, push, start,
 };
 use iva_tests::rng::Rng;
 use iva_tests::some;
@@ -87,7 +87,7 @@ fn estimates_cover_the_errors() {
     covered.holds(some(800));
 }
 
-/// One pendulum in a list has the condition of the pendulum alone, whose formulas are others, and estimates of its size.
+/// One pendulum in a list has estimates of the size of those of the pendulum alone, whose formulas are others.
 #[test]
 fn one_in_a_list_has_those_of_a_pendulum() {
     let mut rng = Rng::new(73);
@@ -105,37 +105,19 @@ fn one_in_a_list_has_those_of_a_pendulum() {
             assert!((0.5..2.0).contains(&(one / other)), "{one} {other}");
             compared += 1;
         }
-        if let (Some(one), Some(other)) = (listed.condition(), errors.condition()) {
-            assert!((one - other).abs() < 1e-3 * other, "{one} {other}");
-        }
     }
     assert!(compared > 100, "{compared}");
 }
 
-/// The gap displacement or velocity of an absorber, of which a small difference is that of y or W alone.
+/// The start with a small difference of one variable.
 fn varied(scene: &Scene, variable: usize, by: Twofold) -> Starts<Twofold> {
     let [mut x, mut v] = scene.at.map(Twofold::from);
     let mut gaps = gaps::<Twofold>(&scene.all);
     match variable {
         0 => x += by,
         1 => v += by,
-        _ => {
-            let (k, of_rate) = (variable / 2 - 1, variable % 2 == 1);
-            let gap = &mut gaps[k];
-            let swing = scene.all[k].swing.filter(|(_, small)| !small);
-            let cosine = |y: Twofold| match swing {
-                Some(_) => {
-                    let is = parameters::<Twofold>(&scene.all[k], scene.zeta);
-                    let sine = y / is.contact_distance;
-                    (Twofold::ONE - sine * sine).sqrt()
-                }
-                None => Twofold::ONE,
-            };
-            // W = w/cosθ.
-            let faster = gap.w / cosine(gap.y) + if of_rate { by } else { Twofold::ZERO };
-            gap.y += if of_rate { Twofold::ZERO } else { by };
-            gap.w = cosine(gap.y) * faster;
-        }
+        _ if variable % 2 == 0 => gaps[variable / 2 - 1].y += by,
+        _ => gaps[variable / 2 - 1].w += by,
     }
     begun(Point { x, v }, &gaps)
 }

@@ -1,7 +1,6 @@
 //! What a list of absorbers tells about its derivatives.
 //!
-//! A small difference of a state is one of q and q̇ of the structure, then of y and ẏ of each absorber, with W = b θ̇ in place
-//! of ẏ for a pendulum.
+//! A small difference of a state is one of q and q̇ of the structure, then of y and ẏ of each absorber.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -25,7 +24,7 @@ pub struct Moved<'a, S> {
 pub trait DifferentiableList: Absorber<Real = f64> {
     /// True if the derivatives of the motion are those of a linear equation: known for any length, and the same from any
     /// state. Then the estimate needs the states at events only.
-    const LINEAR: bool;
+    fn is_linear(&self) -> bool;
 
     /// Number of coordinates of the structure.
     fn coordinates(&self) -> usize;

@@ -1,4 +1,4 @@
-//! Derivatives of the motion of free masses on a linear structure, of any number and at any points of it.
+//! Derivatives of the motion of free masses and pendulums on a linear structure, of any number and at any points of it.
 //!
 //! With the shapes φ at the points of the masses and those of a set S carried along, the coordinates q of the structure obey
 //!
@@ -7,7 +7,9 @@
 //! ```
 //!
 //! where friction of a mass that slides one way is a constant force. A small difference of a state is one of q and q̇, then
-//! of y and ẏ of each mass. A structure that moves as one has a single coordinate, x, and φ = 1.
+//! of y and ẏ of each member. A structure that moves as one has a single coordinate, x, and φ = 1.
+//!
+//! A pendulum in flight is carried with a part η of its mass, and follows the acceleration of its point by the factor −β c² ([`Pull`]).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -29,6 +31,27 @@ pub struct LinearStructure {
     pub lightness: Vec<f64>,
     /// The masses that are coordinates of the structure, √μ (φq + y), and the indices of these.
     pub as_coordinates: Vec<(usize, usize)>,
+    /// How each member follows its point in flight.
+    pub pulls: Vec<Pull>,
+}
+
+/// How a member in flight follows the acceleration A of its point, and pulls at it: ÿ = −f A − G and a force −η A + μλ G.
+#[derive(Debug, Clone, Copy)]
+pub struct Pull {
+    /// λ.
+    pub lever: f64,
+    /// f = β c², and its derivative with respect to y.
+    pub follows: [f64; 2],
+    /// η = μ (1 − c²/κ), and its derivative with respect to y.
+    pub inertia: [f64; 2],
+    /// The derivatives of G with respect to y and ẏ.
+    pub swing: [f64; 2],
+}
+
+impl Pull {
+    /// That of a free mass.
+    pub const NONE: Self =
+        Self { lever: 1.0, follows: [1.0, 0.0], inertia: [0.0; 2], swing: [0.0; 2] };
 }
 
 impl LinearStructure {
@@ -71,23 +94,63 @@ impl LinearStructure {
         carried: &[bool],
     ) -> DVector<f64> {
         let n = self.coordinates();
-        let felt = self.compliance(carried) * shape;
+        let felt = self.compliance(|k| self.moves(k, carried)) * shape;
         let mut gradient = DVector::zeros(self.variables());
         gradient.rows_mut(0, n).copy_from(&(&self.stiffness * -&felt));
         gradient.rows_mut(n, n).copy_from(&(&self.damping * -&felt));
         gradient
     }
 
+    /// The reciprocal of what moves with the point of a member: of all of it while it is carried, or of a part of a pendulum in flight.
+    fn moves(&self, k: usize, carried: &[bool]) -> Option<f64> {
+        let [inertia, _] = self.pulls[k].inertia;
+        let part = (inertia > 0.0).then(|| 1.0 / inertia);
+        if carried[k] { Some(self.lightness[k]) } else { part }
+    }
+
     /// The inverse of M′, by adding one mass after another (J. Sherman and W. J. Morrison, Ann. Math. Stat. 21, 1950).
-    fn compliance(&self, carried: &[bool]) -> DMatrix<f64> {
+    fn compliance(&self, moves: impl Fn(usize) -> Option<f64>) -> DMatrix<f64> {
         let n = self.coordinates();
         let mut inverse = DMatrix::identity(n, n);
-        for k in (0..carried.len()).filter(|k| carried[*k]) {
-            let pushed = &inverse * &self.shapes[k];
-            let share = self.lightness[k] + self.shapes[k].dot(&pushed);
+        for (k, shape) in self.shapes.iter().enumerate() {
+            let Some(lightness) = moves(k) else { continue };
+            let pushed = &inverse * shape;
+            let share = lightness + shape.dot(&pushed);
             inverse -= &pushed * pushed.transpose() / share;
         }
         inverse
+    }
+
+    /// The derivative of all rates in a motion in which these members are carried, and the points of all have these accelerations.
+    pub(in crate::absorber) fn jacobian(&self, carried: &[bool], felt: &[f64]) -> DMatrix<f64> {
+        let (n, size) = (self.coordinates(), self.variables());
+        let mut forces = DMatrix::zeros(n, size);
+        forces.columns_mut(0, n).copy_from(&-&self.stiffness);
+        forces.columns_mut(n, n).copy_from(&-&self.damping);
+        let flying = || (0..carried.len()).filter(|k| !carried[*k]);
+        for k in flying() {
+            let Pull { lever, inertia, swing, .. } = self.pulls[k];
+            let pull = lever / self.lightness[k];
+            let [y, w] = self.of(k);
+            for (column, by) in [(y, pull * swing[0] - inertia[1] * felt[k]), (w, pull * swing[1])] {
+                let mut forces = forces.column_mut(column);
+                forces += &self.shapes[k] * by;
+            }
+        }
+        let bent = self.compliance(|k| self.moves(k, carried)) * forces;
+        let mut jacobian = DMatrix::zeros(size, size);
+        jacobian.view_mut((0, n), (n, n)).fill_with_identity();
+        jacobian.rows_mut(n, n).copy_from(&bent);
+        for k in flying() {
+            let Pull { follows, swing, .. } = self.pulls[k];
+            let [y, w] = self.of(k);
+            jacobian[(y, w)] = 1.0;
+            let mut rate = self.shapes[k].transpose() * &bent * -follows[0];
+            rate[y] -= follows[1] * felt[k] + swing[0];
+            rate[w] -= swing[1];
+            jacobian.row_mut(w).copy_from(&rate);
+        }
+        jacobian
     }
 
     /// The derivative of a motion of length h in which these masses are carried.
@@ -117,7 +180,7 @@ impl LinearStructure {
     /// The derivative of (q, q̇) after a time h.
     fn flow_of_structure(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
         let n = self.coordinates();
-        let compliance = self.compliance(carried);
+        let compliance = self.compliance(|k| self.moves(k, carried));
         if n == 1 {
             let [stiffness, damping] =
                 [self.stiffness[(0, 0)], self.damping[(0, 0)]].map(|it| it * compliance[(0, 0)]);
@@ -132,12 +195,11 @@ impl LinearStructure {
     }
 
     /// What q̇ gains by impulses at the points of some masses that change their gap velocities by −(1 + slope) per unit of the
-    /// gap velocity of each of these, column by column, while these others are carried.
-    fn blows(&self, struck: &[(usize, f64)], carried: &[bool]) -> DMatrix<f64> {
+    /// gap velocity of each of these, column by column, where others give way like this.
+    fn blows(&self, struck: &[(usize, f64)], compliance: &DMatrix<f64>) -> DMatrix<f64> {
         // The impulses on the masses that have an impact, with the carried ones as part of the structure.
-        let compliance = self.compliance(carried);
         let count = struck.len();
-        let pushed: Vec<_> = struck.iter().map(|(k, _)| &compliance * &self.shapes[*k]).collect();
+        let pushed: Vec<_> = struck.iter().map(|(k, _)| compliance * &self.shapes[*k]).collect();
         let mut matrix =
             DMatrix::from_fn(count, count, |i, j| self.shapes[struck[i].0].dot(&pushed[j]));
         for (i, (k, _)) in struck.iter().enumerate() {
@@ -145,7 +207,7 @@ impl LinearStructure {
         }
         let changes = DMatrix::from_diagonal(&DVector::from_iterator(
             count,
-            struck.iter().map(|(_, slope)| 1.0 + slope),
+            struck.iter().map(|(k, slope)| self.pulls[*k].lever * (1.0 + slope)),
         ));
         // Positive definite, unless numbers have overflowed: then nothing can be estimated from there on.
         let impulses = match matrix.cholesky() {
@@ -158,11 +220,11 @@ impl LinearStructure {
     /// What q gains per y of a mass that comes to rest on its wall, as if it were moved there, and what q̇ gains per y by the
     /// dampers on the way; `carried` with that mass.
     fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
-        let others: Vec<bool> =
-            carried.iter().enumerate().map(|(k, it)| *it && k != mass).collect();
-        let pushed = self.compliance(&others) * &self.shapes[mass];
-        let share = &pushed / (self.lightness[mass] + self.shapes[mass].dot(&pushed));
-        let damped = self.compliance(carried) * (&self.damping * &share);
+        let others = |k: usize| if k == mass { None } else { self.moves(k, carried) };
+        let pushed = self.compliance(others) * &self.shapes[mass];
+        let whole = self.lightness[mass] + self.shapes[mass].dot(&pushed);
+        let share = &pushed * (self.pulls[mass].lever / whole);
+        let damped = self.compliance(|k| self.moves(k, carried)) * (&self.damping * &share);
         [share, -damped]
     }
 
@@ -206,11 +268,12 @@ impl LinearStructure {
         sizes
     }
 
-    /// As [`super::lists::DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact.
+    /// As [`super::lists::DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact, and what q̇ gains.
     pub(in crate::absorber) fn impact_matrix(
         &self,
         struck: &[(usize, f64)],
         carried: [&[bool]; 2],
+        faster: &DVector<f64>,
     ) -> DMatrix<f64> {
         let (n, size) = (self.coordinates(), self.variables());
         let [before, after] = carried;
@@ -219,15 +282,33 @@ impl LinearStructure {
             let [_, w] = self.of(k);
             jump[(w, w)] = 0.0;
         }
-        let blows = self.blows(struck, after);
-        let flies = |j: &usize| !after[*j] && struck.iter().all(|(k, _)| k != j);
+        let strikes = |j: usize| struck.iter().any(|(k, _)| *k == j);
+        let others = self.compliance(|k| if strikes(k) { None } else { self.moves(k, after) });
+        let blows = self.blows(struck, &others);
+        let flies = |j: &usize| !after[*j] && !strikes(*j);
         for ((k, slope), gained) in struck.iter().zip(blows.column_iter()) {
             let [_, w] = self.of(*k);
             jump.view_mut((n, w), (n, 1)).copy_from(&gained);
             for j in (0..after.len()).filter(flies) {
-                jump[(self.of(j)[1], w)] = -self.shapes[j].dot(&gained);
+                jump[(self.of(j)[1], w)] = -self.pulls[j].follows[0] * self.shapes[j].dot(&gained);
             }
             jump[(w, w)] = -slope;
+        }
+        // A pendulum in flight takes more or less of its mass along with its place.
+        let whole = |k: usize| {
+            if strikes(k) { Some(self.lightness[k]) } else { self.moves(k, after) }
+        };
+        for j in (0..after.len()).filter(flies).filter(|j| self.pulls[*j].inertia[1] != 0.0) {
+            let (Pull { follows, inertia, .. }, [y, w]) = (self.pulls[j], self.of(j));
+            let pushed = self.shapes[j].dot(faster);
+            let slower = self.compliance(whole) * &self.shapes[j] * -(inertia[1] * pushed);
+            let mut column = jump.view_mut((n, y), (n, 1));
+            column += &slower;
+            for l in (0..after.len()).filter(flies) {
+                let follows = self.pulls[l].follows[0];
+                jump[(self.of(l)[1], y)] -= follows * self.shapes[l].dot(&slower);
+            }
+            jump[(w, y)] -= follows[1] * pushed;
         }
         jump
     }
@@ -243,9 +324,10 @@ impl LinearStructure {
         map.view_mut((n, y), (n, 1)).copy_from(&damped);
         for k in (0..carried.len()).filter(|k| !carried[*k]) {
             let [place, rate] = self.of(k);
-            let moved = -self.shapes[k].dot(&share);
+            let [follows, _] = self.pulls[k].follows;
+            let moved = -follows * self.shapes[k].dot(&share);
             (map[(place, y)], map[(rate, w)]) = (moved, moved);
-            map[(rate, y)] = -self.shapes[k].dot(&damped);
+            map[(rate, y)] = -follows * self.shapes[k].dot(&damped);
         }
         (map[(y, y)], map[(w, w)]) = (0.0, 0.0);
         map

@@ -3,17 +3,20 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::series::EXACT;
-use super::state::Place;
+use super::state::{Modes, Place};
 use super::structure::Damping;
-use super::{Followed, Modal};
-use crate::absorber::derivatives::lists::{DifferentiableList, Moved, tail_of};
-use crate::absorber::derivatives::masses::LinearStructure;
-use crate::absorber::{Absorber as _, ImpactLaw as _, OnStructure as _};
-use crate::host::Host;
+use super::{Modal, ModalState};
+use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place, tail_of};
+use crate::absorber::derivatives::masses::{LinearStructure, Pull};
+use crate::absorber::{Absorber as _, Clock, ImpactLaw as _, OnStructure as _};
+use crate::force::Drive;
+use crate::host::{Host, Structure as _};
+use crate::segment::flight::Motion as _;
+use crate::segment::taylor::Posture;
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// What small differences obey.
-    fn linear(&self) -> LinearStructure {
+    /// What small differences obey at a state.
+    fn linear(&self, state: &ModalState<H, N, M>) -> LinearStructure {
         let n = self.whole.count();
         let own = self.whole.stiffness.iter().map(|square| square.value);
         let mut stiffness = DMatrix::from_diagonal(&DVector::from_iterator(n, own));
@@ -38,12 +41,77 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
             as_coordinates: (0..self.count())
                 .filter_map(|k| Some((k, self.tied[k].as_ref()?.coordinate)))
                 .collect(),
+            pulls: (0..self.count()).map(|k| self.pull_of(k, &state.places[k])).collect(),
         }
+    }
+
+    /// How a member follows its point and pulls at it. With c² = 1 − y²/b² it is G = c (r² y + σ² φ) + ν ẏ + y ẏ²/(b² c²) for a pendulum.
+    fn pull_of(&self, k: usize, place: &Place<f64>) -> Pull {
+        let Some(is) = self.hanging(k) else { return Pull::NONE };
+        let Posture { y, c, arc, .. } = self.posture(k, is, place);
+        let (y, c, arc, w) = (y.value, c.value, arc.value, place.gap(&self.masses[k]).w);
+        let (curved, over_b2) = match is.small_angles {
+            true => (0.0, 0.0),
+            false => (-2.0 * y, 1.0 / (is.contact_distance * is.contact_distance)),
+        };
+        // The derivative of c².
+        let shorter = curved * over_b2;
+        let share = is.mass_ratio / is.inertia_ratio;
+        let turned = w / c;
+        let risen = c - y * y * over_b2 / c;
+        let wound = 1.0 - y * arc * over_b2 / c;
+        let whirled = over_b2 * turned * turned * (1.0 - y * shorter / (c * c));
+        Pull {
+            lever: is.lever,
+            follows: [is.coupling * c * c, is.coupling * shorter],
+            inertia: [is.own_inertia(y), -share * shorter],
+            swing: [
+                is.frequency_squared * risen + is.spring.acting() * wound + whirled,
+                is.pivot_damping + 2.0 * y * over_b2 * w / (c * c),
+            ],
+        }
+    }
+
+    /// A state in which nothing moves, far from all walls.
+    fn at_rest(&self) -> ModalState<H, N, M> {
+        let phase = self.host.begin_at(Clock::ZERO);
+        ModalState { modes: Modes::REST, places: [Place::FAR; N], phase, at_hand: 0 }
+    }
+
+    /// The state with these members carried.
+    fn carrying_these(state: &ModalState<H, N, M>, carried: &[bool]) -> ModalState<H, N, M> {
+        let mut state = state.renewed();
+        for (place, carried) in state.places.iter_mut().zip(carried) {
+            (place.stuck, place.held) = (*carried, false);
+        }
+        state
+    }
+
+    /// The derivative of all rates at a state, in which these members are carried.
+    fn jacobian(&self, state: &ModalState<H, N, M>, carried: &[bool]) -> DMatrix<f64> {
+        let state = Self::carrying_these(state, carried);
+        let n = self.whole.count();
+        let rates = DifferentiableList::rates(self, &state, carried);
+        let base = self.pushes(&state.phase, 1.0)(0)[1].value;
+        let felt = |k: usize| {
+            let bent = self.shape(k).iter().enumerate();
+            bent.fold(base, |sum, (j, phi)| phi.mul_add(rates[n + j], sum))
+        };
+        let felt: Vec<f64> = (0..self.count()).map(felt).collect();
+        self.linear(&state).jacobian(carried, &felt)
     }
 }
 
+/// Length of a part of a motion over which the derivative of a swing is found from two states, in units of its fastest rate: what that leaves out is some
+/// 10⁻⁶ of it.
+const PART: f64 = 0.15;
+/// The nodes of Gauss's quadrature over a length of 1.
+const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
 impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for Modal<H, N, M> {
-    const LINEAR: bool = true;
+    fn is_linear(&self) -> bool {
+        !self.swings()
+    }
 
     fn coordinates(&self) -> usize {
         self.whole.count()
@@ -54,15 +122,14 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
     }
 
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64> {
-        let mut places = state.places;
-        for (place, carried) in places.iter_mut().zip(carried) {
-            (place.stuck, place.held) = (*carried, false);
-        }
+        let state = &Self::carrying_these(state, carried);
+        let places = &state.places;
         let pushes = self.pushes(&state.phase, 1.0);
-        let [_, base, _] = pushes(0);
         let asides = self.asides(&state.phase, 1.0, 1);
-        let regime = self.regime(&places);
-        let rows = self.series(&state.modes, &regime, (&pushes, &asides), 1.0, (2, EXACT));
+        let regime = self.regime(places);
+        let feed = (&pushes, asides.as_slice());
+        let grown = self.grown(state, &regime, feed, 1.0, (2, EXACT));
+        let rows = &grown.rows;
         let n = self.whole.count();
         let mut rates = DVector::zeros(2 * (n + self.count()));
         for j in 0..n {
@@ -70,14 +137,8 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
             rates[n + j] = 2.0 * rows.plain(j, 2);
         }
         for (k, gap) in self.each_gap(state).enumerate().filter(|(k, _)| !carried[*k]) {
-            let flying = Place { stuck: false, held: false, ..state.places[k] };
-            let Followed { shape, with_base, constant, .. } = self.followed(k, &flying);
-            let moved = constant.value + if with_base { base.value } else { 0.0 };
-            let a = shape
-                .iter()
-                .enumerate()
-                .fold(moved, |sum, (j, phi)| phi.mul_add(rates[n + j], sum));
-            (rates[2 * (n + k)], rates[2 * (n + k) + 1]) = (gap.w, -a);
+            let curved = self.curved(&grown, (k, &places[k]), |m| pushes(m)[1], (1.0, 2));
+            (rates[2 * (n + k)], rates[2 * (n + k) + 1]) = (gap.w, -2.0 * curved.plain(2));
         }
         rates
     }
@@ -92,7 +153,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
             place.held = *carried && !place.stuck;
         }
         let [_, rate, ..] = self.shaken(&held, k);
-        let linear = self.linear();
+        let linear = self.linear(state);
         let point = DVector::from_column_slice(self.shape(k));
         let mut gradient = linear.pull_on(&point, carried);
         gradient[linear.of(k)[0]] += self.tie(k).spring / self.masses[k].mass_ratio;
@@ -100,21 +161,70 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
     }
 
     fn derivative_at_begin(&self) -> DMatrix<f64> {
-        self.linear().begin()
+        self.linear(&self.at_rest()).begin()
     }
 
-    fn flow(&self, _from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
-        self.linear().flow(carried, h)
+    /// Where a pendulum swings, by Magnus's series to the fourth order (S. Blanes et al., Phys. Rep. 470, 2009).
+    fn flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+        let from = Self::carrying_these(from, carried);
+        if self.is_linear() || self.swinging(&from.places).next().is_none() {
+            return self.linear(&from).flow(carried, h);
+        }
+        let flight = self.flight(&from);
+        let fastest = self.swinging_rate(&from.places).max(self.whole.growth());
+        let parts = (h * fastest / PART).ceil().max(1.0);
+        let length = h / parts;
+        let mut flow = DMatrix::identity(2, 2);
+        for part in 0..parts as usize {
+            let [a, b] = NODES.map(|node| {
+                self.jacobian(&flight.state((part as f64 + node) * length), carried)
+            });
+            let turned = (&b * &a - &a * &b) * (length * length * 3.0_f64.sqrt() / 12.0);
+            let step = ((a + b) * (0.5 * length) + turned).exp();
+            flow = if part == 0 { step } else { step * flow };
+        }
+        flow
     }
 
     fn roundings(&self, moved: &Moved<'_, Self::State>) -> DVector<f64> {
-        self.linear().roundings(moved, self.primary(moved.states[1]))
+        if self.is_linear() {
+            let end = moved.states[1];
+            return self.linear(end).roundings(moved, self.primary(end));
+        }
+        let [first, last] = moved.rates;
+        first.abs().sup(&last.abs()) * moved.length
+    }
+
+    /// Those of the pendulums, whose series are in plain numbers beyond their first terms.
+    fn sizes(&self, state: &Self::State, carried: &[bool]) -> Option<DVector<f64>> {
+        let state = Self::carrying_these(state, carried);
+        let (n, linear) = (self.whole.count(), self.linear(&state));
+        self.swinging(&state.places).next()?;
+        let rates = DifferentiableList::rates(self, &state, carried);
+        let driven = self.host.drive_ahead::<3>(&state.phase).as_ref().map_or(0.0, Drive::size);
+        let mut sizes = rates.abs();
+        for j in 0..n {
+            let [q, v] = [state.modes.places[j], state.modes.velocities[j]].map(|it| it.value.abs());
+            let pulled = self.swinging(&state.places).map(|(k, is)| {
+                linear.shapes[k][j].abs() * self.pulling(k, is, &state.places[k])
+            });
+            let own = linear.stiffness[(j, j)] * q + linear.damping[(j, j)].abs() * v;
+            sizes[n + j] = own + driven + pulled.sum::<f64>();
+        }
+        for (k, is) in self.swinging(&state.places) {
+            let [_, w] = place(n, k);
+            let shape = linear.shapes[k].iter().enumerate();
+            let shaken = shape.map(|(j, phi)| phi.abs() * sizes[n + j]).sum::<f64>();
+            let own = self.pulling(k, is, &state.places[k]) / (is.mass_ratio * is.lever);
+            sizes[w] = linear.pulls[k].follows[0] * (shaken + driven) + own;
+        }
+        Some(sizes)
     }
 
     fn impact_matrix(
         &self,
         struck: &[usize],
-        [before, _]: [&Self::State; 2],
+        [before, after]: [&Self::State; 2],
         carried: [&[bool]; 2],
     ) -> DMatrix<f64> {
         let slope = |k: &usize| {
@@ -123,11 +233,14 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
             (*k, self.law_of(*k, self.wall(&seen), approach).slope)
         };
         let slopes: Vec<_> = struck.iter().map(slope).collect();
-        self.linear().impact_matrix(&slopes, carried)
+        let n = self.whole.count();
+        let speeds = [before, after].map(|state| &state.modes.velocities);
+        let faster = DVector::from_fn(n, |j, _| (speeds[1][j] - speeds[0][j]).value);
+        self.linear(before).impact_matrix(&slopes, carried, &faster)
     }
 
     fn stick_matrix(&self, state: &Self::State, carried: &[bool]) -> DMatrix<f64> {
-        self.linear().stick_matrix(self.at_hand(state), carried)
+        self.linear(state).stick_matrix(self.at_hand(state), carried)
     }
 
     fn tail(&self, after: &Self::State) -> f64 {
@@ -135,12 +248,12 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
     }
 
     fn pressing(&self, absorber: usize, changes: &dyn Fn(usize) -> f64) -> f64 {
-        let linear = self.linear();
-        let n = linear.coordinates();
+        let (linear, n) = (self.linear(&self.at_rest()), self.whole.count());
         let of = |(j, phi): (usize, &f64)| {
             let square = linear.stiffness[(j, j)];
             phi.abs() * (square * changes(j) + square.sqrt() * changes(n + j))
         };
-        linear.shapes[absorber].iter().enumerate().map(of).sum()
+        let follows = self.hanging(absorber).map_or(1.0, |is| is.coupling);
+        follows * linear.shapes[absorber].iter().enumerate().map(of).sum::<f64>()
     }
 }

@@ -71,6 +71,8 @@ pub struct Errors {
     pub(super) tail: Option<f64>,
     /// True for a run whose states are carried in plain doubles.
     pub(super) plain: bool,
+    /// True if it needs the states within motions.
+    within: bool,
     /// True once the estimate has reached [`LOST`].
     pub(super) lost: bool,
     /// Those of several absorbers.
@@ -95,6 +97,7 @@ impl Default for Errors {
             last: (0.0, false),
             tail: None,
             plain: false,
+            within: false,
             lost: false,
             list: None,
             impacts: Vec::new(),
@@ -313,16 +316,17 @@ impl Errors {
 /// What the estimate is told of a run, by the way in which it is made.
 impl<S: Estimated> Observer<S> for Errors {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
-        *self = Self { plain: self.plain, ..Self::default() };
+        let within = S::Way::looks_within(system);
+        *self = Self { plain: self.plain, within, ..Self::default() };
         S::Way::start(self, system, from);
     }
 
     fn looks_within(&self) -> bool {
-        S::Way::LOOKS_WITHIN
+        self.within
     }
 
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
-        if S::Way::LOOKS_WITHIN && !self.lost {
+        if self.within && !self.lost {
             S::Way::span(self, system, span);
         }
     }

@@ -105,7 +105,7 @@ impl Grown {
     /// in between.
     fn end<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         let h = time - self.begun.0;
-        if S::LINEAR && h > 0.0 && !self.lost {
+        if system.is_linear() && h > 0.0 && !self.lost {
             let last = system.rates(state, &self.carried);
             let first = std::mem::replace(&mut self.begun.1, DVector::zeros(0));
             self.moved(system, h, [state, state], [&first, &last]);

@@ -18,8 +18,10 @@ pub trait Estimated: Absorber<Real = f64> {
 
 /// A way in which errors are estimated: what the events of a run make of the estimate.
 pub trait Way<S: Absorber<Real = f64> + ?Sized> {
-    /// True if it needs the states within motions.
-    const LOOKS_WITHIN: bool = false;
+    /// True if it needs the states within the motions of a system.
+    fn looks_within(_system: &S) -> bool {
+        false
+    }
     /// At the start of a run.
     fn start(_errors: &mut Errors, _system: &S, _from: &Instant<S::State>) {}
     /// A motion; only if it looks within, and until the run has forgotten its start.
@@ -52,7 +54,9 @@ pub trait Way<S: Absorber<Real = f64> + ?Sized> {
 pub struct ByTangents;
 
 impl<S: Differentiable> Way<S> for ByTangents {
-    const LOOKS_WITHIN: bool = !S::LINEAR;
+    fn looks_within(_system: &S) -> bool {
+        !S::LINEAR
+    }
 
     fn start(errors: &mut Errors, system: &S, from: &Instant<S::State>) {
         let Instant { time, state } = from;
@@ -108,7 +112,9 @@ impl<S: Differentiable> Way<S> for ByTangents {
 pub struct ByLists;
 
 impl<S: DifferentiableList> Way<S> for ByLists {
-    const LOOKS_WITHIN: bool = !S::LINEAR;
+    fn looks_within(system: &S) -> bool {
+        !system.is_linear()
+    }
 
     fn start(errors: &mut Errors, system: &S, from: &Instant<S::State>) {
         errors.list = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
