@@ -470,8 +470,8 @@ class Piva(Part):
     """Pendulum impact vibration absorber: a pendulum on the primary system, between two stops.
 
     The gap displacement is y = b sin θ with b from the pivot to the point that meets the stops, at
-    y = ±d. Of `frequency_ratio`, `length` and `gravity` two are needed, for g = κ L ωp²; in SI
-    units `length` alone will do, with standard gravity.
+    y = ±d (or `gap_offset` ± d). Of `frequency_ratio`, `length` and `gravity` two are needed, for
+    g = κ L ωp²; in SI units `length` alone will do, with standard gravity.
 
     Parameters
     ----------
@@ -483,6 +483,20 @@ class Piva(Part):
         Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
     restitution_minus : float, optional
         The same at the wall y = −d, if it is another there.
+    reference_speed : float, optional
+        Makes the restitution a power law of the approach speed u, 1 − a u^b and at least 0: this is
+        the u > 0 at which it is `restitution`.
+    restitution_exponent : float, optional
+        b of a power law, a quotient of whole numbers from 1 to 8 that is at most 1; 0.2 by default,
+        as of viscoelastic spheres.
+    yield_speed : float, optional
+        Makes the restitution that of elastic and perfectly plastic spheres: 1 up to this approach
+        speed > 0, and falling from there on. It stands in the place of `restitution`.
+    restitution_table : array_like, shape (n, 2), optional
+        The restitution as measured, in the place of `restitution`: 1 to 16 pairs of approach speed
+        (in m/s in SI units, else as `reference_speed`) and restitution from 0 to 1, with speeds ≥ 0
+        that rise. It is linear between them, constant outside, and the same at both walls. Kept as
+        a tuple of pairs.
     relative_clearance : float, optional
         γ > 0, clearance over the size of the start displacement. One of the five ways to give the
         clearance is needed.
@@ -495,6 +509,16 @@ class Piva(Part):
         Total play 2d > 0, in the unit of lengths.
     gap_mm : float, optional
         The same in mm; SI units only.
+    gap_offset : float, optional
+        Gap displacement of the middle of the gap, 0 by default: the stops are at this ± d. With the
+        start at y = 0 it says how far from the middle the pendulum hangs at rest.
+    gap_offset_mm : float, optional
+        The same in mm; SI units only.
+    contact_time : float, optional
+        How long an impact lasts. It turns each impulse into an estimate of the largest force, that
+        of a half sine: ``peak_force_estimate``. The motion does not depend on it.
+    contact_stiffness : float, optional
+        Stiffness of a stop in N/m, from which that time is estimated; SI units only.
     units : float, optional
         Number of equal units that share the mass, 1 to 8, each between stops of its own; 1 by
         default. Tables number them in their column ``absorber``.
@@ -541,16 +565,26 @@ class Piva(Part):
     _part = "absorber"
     _kind = "piva"
     _words = ("angles", "impact_law")
+    _tables = ("restitution_table",)
 
     mass_ratio: float | None = None
     mass: float | None = None
     restitution: float | None = None
     restitution_minus: float | None = None
+    reference_speed: float | None = None
+    restitution_exponent: float | None = None
+    yield_speed: float | None = None
+    # An array, which is no Sequence, or any other pairs.
+    restitution_table: Any = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None
     gap: float | None = None
     gap_mm: float | None = None
+    gap_offset: float | None = None
+    gap_offset_mm: float | None = None
+    contact_time: float | None = None
+    contact_stiffness: float | None = None
     units: float | None = None
     clearance_spread: float | None = None
     frequency_ratio: float | None = None

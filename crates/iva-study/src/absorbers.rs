@@ -189,7 +189,7 @@ pub(crate) fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
     let words =
         CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
     let others: &[&str] = match part {
-        Part::Absorber if kind == Kind::Siva => &[restitution_table::NAME],
+        Part::Absorber if kind != Kind::None => &[restitution_table::NAME],
         Part::Run => &["tables", "measures", "samples_per_period", "errors"],
         _ => &[],
     };

@@ -11,7 +11,6 @@ pub(crate) mod ended;
 pub(crate) mod forces;
 pub(crate) mod free_mass;
 pub mod given;
-mod mixed;
 mod modal;
 pub(crate) mod pendulum;
 pub(crate) mod point;

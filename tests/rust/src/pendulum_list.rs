@@ -94,7 +94,9 @@ pub fn mass<R: Real>(any: &Any) -> FreeMass<R> {
 pub fn mixed<R: Real>(all: &[Any], zeta: f64) -> List<UndrivenHost<R>> {
     let masses: Vec<_> = all
         .iter()
-        .map(|any| mass(&Any { offset: if any.swing.is_some() { 0.0 } else { any.offset }, ..*any }))
+        .map(|any| {
+            mass(&Any { offset: if any.swing.is_some() { 0.0 } else { any.offset }, ..*any })
+        })
         .collect();
     let pendulums: Vec<_> =
         all.iter().map(|any| any.swing.map(|_| parameters(any, zeta))).collect();

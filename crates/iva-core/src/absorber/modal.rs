@@ -69,8 +69,8 @@ pub use ties::Tie;
 
 use equations::{Regime, Stuck};
 use followed::Followed;
-use propagator::Leaps;
 use pendulum::Hanging;
+use propagator::Leaps;
 use ties::Tied;
 
 mod absorber;
@@ -402,7 +402,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// G along the line of motion of a mass; `None` without such a mass.
     pub fn gravity_of(&self, mass: usize) -> Option<R> {
-        self.gravity[..self.count()].get(mass).copied()
+        let own = self.gravity[..self.count()].get(mass).copied();
+        own.filter(|_| self.pendulums[mass].is_none())
     }
 
     /// The masses.

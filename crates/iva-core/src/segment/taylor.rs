@@ -23,8 +23,8 @@ use crate::number::real::Real;
 pub(crate) use crate::number::series::unrolled;
 pub use crate::number::series::{Number, ORDER, Row};
 
-use recurrence::Recurrence;
 pub(crate) use pivoted::{Growing, Posture};
+use recurrence::Recurrence;
 pub use remainder::Remainder;
 pub(crate) use remainder::several::{InFlight, LAST, RemainderOfSeveral, Shaking};
 pub use spring::Spring;

@@ -9,7 +9,6 @@ use super::contact::Contact;
 use super::forces;
 use super::free_mass::{self, Weight};
 use super::given::Given;
-use super::mixed;
 use super::modal;
 use super::pendulum::{self, Common};
 use super::restitution;
@@ -180,9 +179,6 @@ impl<R: Real> Given<'_, R> {
             if !EVERY_SCENE {
                 let units = format!("{} in a list, {units_of_first} units", self.spec.count());
                 return Err(Invalid::new("absorber", units, "give one absorber of one unit here"));
-            }
-            if mixed::is_list_with_pendulum(self.spec) {
-                return mixed::scene(self, start, force, scale, units);
             }
             return modal::on_primary(self, start, force, scale, units);
         }

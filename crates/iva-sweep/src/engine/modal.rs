@@ -1,4 +1,4 @@
-//! A scene of free masses on a structure with several modes, with springs and dashpots in their gaps, or on several inclined lines.
+//! A scene of free masses and pendulums on a structure, with all terms that one of them alone on a structure that moves as one does not have.
 
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
@@ -6,6 +6,7 @@ use iva_core::absorber::modal::{FEW, Modal, ModalStart, ModalStructure, PRIMARY,
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
 use iva_core::host::DrivenHost;
+use iva_core::piva::Parameters;
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
@@ -13,11 +14,11 @@ use super::free_mass;
 use super::given::Given;
 use super::scale::Scale;
 use super::scene::{EVERY_SCENE, Mounted, Scene};
-use super::several;
+use super::several::{self, Member};
 use super::ties;
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
-use crate::fields::{FieldId, Part};
+use crate::fields::{FieldId, FieldId as F, Part};
 use crate::forces::RecordKind;
 use crate::slot::Slot;
 use crate::structure::{Structure, path};
@@ -57,9 +58,20 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// friction, and in a list an inclination.
+/// friction, in a list an inclination, and for a pendulum an offset of its gap or a restitution that depends on the speed.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
-    ties::given(given).or_else(|| {
+    let of_pendulum = [F::GapOffset, F::GapOffsetMm, F::ReferenceSpeed, F::YieldSpeed];
+    let pendulums = || {
+        let all = (0..given.spec.count()).map(|absorber| given.of(absorber));
+        all.filter(|own| own.choices().kind == Kind::Piva)
+    };
+    let table = pendulums().find(|own| own.spec.restitution_table(own.absorber).is_some());
+    let table = table.map(|own| (given.spec.table_path(own.absorber), 0.0));
+    let on_pendulum = pendulums().find_map(|own| {
+        let given = |field: &F| Some((own.path(*field), own.spec.get_of(own.absorber, *field)?));
+        of_pendulum.iter().find_map(given)
+    });
+    ties::given(given).or(on_pendulum).or(table).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
         let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
         let mut masses = masses.filter(|own| own.choices().kind == Kind::Siva);
@@ -93,6 +105,7 @@ struct Riding<'a, R> {
     masses: Vec<(FreeMass<R>, &'a str)>,
     gaps: Vec<GapPoint<R>>,
     ties: Vec<Tie<R>>,
+    pendulums: Vec<Option<Parameters<R>>>,
     along: Vec<R>,
     friction: Vec<R>,
     static_friction: Vec<R>,
@@ -106,6 +119,7 @@ impl<'a, R: Real> Riding<'a, R> {
             masses: vec![],
             gaps: vec![],
             ties: vec![],
+            pendulums: vec![],
             along: vec![],
             friction: vec![],
             static_friction: vec![],
@@ -125,10 +139,17 @@ impl<'a, R: Real> Riding<'a, R> {
             return Ok(all);
         }
         let mut gravities = vec![];
-        several::each(given, scale, units, |absorber, mass, gap, weight| {
+        let mut hung = vec![];
+        several::each(given, scale, units, |absorber, member| {
+            let Member { mass, hanging, gap, weight } = member;
             let share = 1.0 / given.spec.units_of(absorber) as f64;
             let of_all = mass.mass_ratio() / share;
-            let Tie { spring, damping } = ties::tie(&given.of(absorber), of_all, scale, units)?;
+            let Tie { spring, damping } = match hanging {
+                None => ties::tie(&given.of(absorber), of_all, scale, units)?,
+                Some(_) => Tie::NONE,
+            };
+            all.pendulums.push(hanging.map(|(parameters, _)| parameters));
+            hung.extend(hanging.map(|(_, gravity)| gravity));
             all.masses.push((mass, at(absorber)?));
             all.gaps.push(gap);
             all.ties.push(Tie { spring: spring * share, damping: damping * share });
@@ -141,7 +162,10 @@ impl<'a, R: Real> Riding<'a, R> {
             Ok(())
         })?;
         let alike = gravities.iter().all(|one| *one == gravities[0]);
-        all.gravity = gravities.first().copied().filter(|_| alike);
+        all.gravity = match hung.first() {
+            None => gravities.first().copied().filter(|_| alike),
+            Some(first) => first.filter(|_| !hung.contains(&None)),
+        };
         Ok(all)
     }
 }
@@ -173,11 +197,14 @@ fn with_room<R: Real, const N: usize, const M: usize>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Mounted<Modal<DrivenHost<R>, N, M>>, Invalid> {
-    let Riding { masses, gaps, ties, along, friction, static_friction, gravity } = riding;
+    let Riding { masses, gaps, ties, pendulums, along, friction, static_friction, gravity } =
+        riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
     let system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
+    let system =
+        system.with_pendulums(&pendulums).map_err(|error| several::of_unit(given, error))?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
     let system = system.with_static_friction(&static_friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;
@@ -203,6 +230,7 @@ fn named(error: Invalid) -> Invalid {
 /// Checks that a scene has nothing that a structure with several modes does not take.
 fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
     let of_primary = |slot: Slot| slot.info().part == Part::Primary;
+    let of_mass = |slot: Slot| given.spec.choices_of(slot.number.unwrap_or(0)).kind == Kind::Siva;
     for (slot, value) in given.spec.given() {
         let rule = match slot.field {
             _ if of_primary(slot) => "the structure has it already; leave it out",
@@ -210,7 +238,9 @@ fn fits<R: Real>(given: &Given<'_, R>) -> Result<(), Invalid> {
             FieldId::GapDampingRatio => {
                 "on a structure with several modes give gap_damping (N s/m)"
             }
-            FieldId::SpringRatio => "on a structure with several modes give spring (N/m)",
+            FieldId::SpringRatio if of_mass(slot) => {
+                "on a structure with several modes give spring (N/m)"
+            }
             FieldId::ContactStiffness => "on a structure with several modes give contact_time",
             FieldId::Amplitude => {
                 "on a structure with several modes give force (N) or base_acceleration"

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal};
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
@@ -281,7 +280,6 @@ macro_rules! observes_any {
 observes_any! {
     Siva<UndrivenHost<R>>,
     Siva<DrivenHost<R>>,
-    Mixed<DrivenHost<R>>,
     Modal<DrivenHost<R>>,
     FewModes<DrivenHost<R>>,
     Piva<UndrivenHost<R>>,

@@ -1,6 +1,5 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
-use iva_core::absorber::mixed::Mixed;
 use iva_core::absorber::modal::{FewModes, Modal, ModalStructure, Tie};
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 pub use iva_core::force::{Acts, Force, Harmonic};
@@ -33,9 +32,7 @@ pub enum Scene<R: Real = f64> {
     Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
     /// A pendulum under force.
     DrivenPiva(Box<Mounted<Piva<DrivenHost<R>>>>),
-    /// Free masses and pendulums on one structure, under force or in free decay.
-    Mixed(Box<Mounted<Mixed<DrivenHost<R>>>>),
-    /// Free masses on a structure, several, or on several modes, or tied to their points, or that rub; or none. Under force or in free decay.
+    /// Any free masses and pendulums on any structure, with any terms; or none. Under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// The same with few masses and modes, in doubles.
     FewModes(Box<Mounted<FewModes<DrivenHost<R>>>>),
@@ -54,7 +51,6 @@ macro_rules! with_system {
             Scene::DrivenSiva($mounted) => $body,
             Scene::Piva($mounted) if Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenPiva($mounted) => $body,
-            Scene::Mixed($mounted) if EVERY_SCENE => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
             Scene::FewModes($mounted) if R::FAST_PATHS => $body,
             _ => unreachable!("scenes of this kind are not built"),
@@ -161,14 +157,10 @@ impl<R: Real> Scene<R> {
     /// The parameters of the absorber of this number in a list, or of the only one; `None` if it is no pendulum.
     pub fn pendulum_of(&self, absorber: usize) -> Option<&piva::Parameters<R>> {
         match self {
-            Scene::Mixed(it) => Some(it.system.pendulum(absorber)?.parameters()),
+            Scene::Modal(it) => it.system.pendulum(absorber),
+            Scene::FewModes(it) => it.system.pendulum(absorber),
             _ => self.pendulum(),
         }
-    }
-
-    /// True if a list has a pendulum.
-    pub fn is_mixed(&self) -> bool {
-        matches!(self, Scene::Mixed(_))
     }
 
     /// True if the structure is given by its modes or matrices.
@@ -262,6 +254,7 @@ impl<R: Real> Scene<R> {
 
     /// True if the absorber, or the pendulums of a list, have an angle to report.
     pub fn has_angle(&self) -> bool {
-        (self.pendulum().is_some() || self.is_mixed()) && self.gravity().is_some()
+        let hangs = (0..self.count()).any(|absorber| self.pendulum_of(absorber).is_some());
+        hangs && self.gravity().is_some()
     }
 }

@@ -1,12 +1,14 @@
 //! What lists of any absorbers have in common.
 
+use iva_core::absorber::Start;
 use iva_core::flight::GapPoint;
+use iva_core::piva::{Parameters, PivaStart};
 use iva_core::real::Real;
 use iva_core::siva::FreeMass;
 
 use super::free_mass::{self, Weight};
 use super::given::Given;
-use super::pendulum::Common;
+use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
 use crate::choices::Kind;
@@ -15,7 +17,19 @@ use crate::fields::{FieldId, Part};
 use crate::spec::MOST_ABSORBERS;
 use crate::units::UnitSystem;
 
-/// All units of all absorbers of a list: the number of the absorber, the unit, its place in its gap, and its weight.
+/// A unit of an absorber.
+pub(super) struct Member<R: Real> {
+    /// Its mass in its gap.
+    pub mass: FreeMass<R>,
+    /// How it hangs, if it is a pendulum, and the acceleration of gravity if its length is known.
+    pub hanging: Option<(Parameters<R>, Option<R>)>,
+    /// Its place in its gap at the start.
+    pub gap: GapPoint<R>,
+    /// What weight does to a free mass.
+    pub weight: Option<Weight<R>>,
+}
+
+/// All units of all absorbers of a list, each with the number of its absorber.
 ///
 /// # Errors
 /// [`Invalid`] for an absorber that a list does not take, too many units, a field out of range, and those of `take`.
@@ -23,17 +37,52 @@ pub(super) fn each<R: Real>(
     given: &Given<'_, R>,
     scale: &Scale<R>,
     units: UnitSystem,
-    mut take: impl FnMut(usize, FreeMass<R>, GapPoint<R>, Option<Weight<R>>) -> Result<(), Invalid>,
+    mut take: impl FnMut(usize, Member<R>) -> Result<(), Invalid>,
 ) -> Result<(), Invalid> {
     each_unit(given, |given, unit| {
         let (mass, mut gap) = (mass(given, unit, scale, units)?, gap(given, scale));
+        if given.choices().kind == Kind::Piva {
+            let hanging = hanging(given, unit, scale, units)?;
+            let gap = hanged(given, &hanging.0, scale, mass.offset())?;
+            let hanging = Some(hanging);
+            return take(given.absorber, Member { mass, hanging, gap, weight: None });
+        }
         let weight = free_mass::weight(given, scale)?;
         if weight.is_some_and(|weight| weight.along != 0.0) {
             let lower_stop = mass.offset() - mass.clearance();
             gap.y = free_mass::starting_place(given, gap.y, lower_stop);
         }
-        take(given.absorber, mass, gap, weight)
+        take(given.absorber, Member { mass, hanging: None, gap, weight })
     })
+}
+
+/// How a unit of a pendulum hangs, and the acceleration of gravity if its length is known.
+fn hanging<R: Real>(
+    given: &Given<'_, R>,
+    unit: Unit,
+    scale: &Scale<R>,
+    units: UnitSystem,
+) -> Result<(Parameters<R>, Option<R>), Invalid> {
+    given.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
+    given.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
+    let mut common = given.common(scale, units)?;
+    [common.mass_ratio, common.clearance] =
+        shared(given, unit, [common.mass_ratio, common.clearance])?;
+    pendulum::parameters(given, common, scale)
+}
+
+/// The place of a pendulum in its gap at the start.
+fn hanged<R: Real>(
+    given: &Given<'_, R>,
+    parameters: &Parameters<R>,
+    scale: &Scale<R>,
+    offset: R,
+) -> Result<GapPoint<R>, Invalid> {
+    let GapPoint { y, w } = gap(given, scale);
+    let start = Start { gap_displacement: y, gap_velocity: w, ..Start::default() };
+    let PivaStart { place, rate, .. } = pendulum::start(given, start, scale);
+    let named = |error| Invalid { field: given.path(FieldId::Angle), ..error };
+    parameters.gap(place, rate, offset).map_err(named)
 }
 
 /// The gap displacement and velocity at the start.
@@ -105,23 +154,25 @@ pub(super) fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid
     }
 }
 
-/// One unit of a free mass.
+/// An error of a unit of a list, whose field names the absorber instead.
+pub(super) fn of_unit<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
+    let named = error.field.strip_prefix("absorber.").and_then(|rest| rest.split_once('.'));
+    let found = named.and_then(|(place, name)| {
+        let owner = given.of(given.spec.owners().nth(place.parse().ok()?)?);
+        let number = owner.slot(FieldId::Clearance).number;
+        let number = number.map_or_else(String::new, |number| format!(".{number}"));
+        Some(format!("{}{number}.{name}", Part::Absorber.name()))
+    });
+    Invalid { field: found.unwrap_or_else(|| error.field.clone()), ..error }
+}
+
+/// One unit of an absorber as a mass in its gap.
 pub(super) fn mass<R: Real>(
     given: &Given<'_, R>,
     unit: Unit,
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<FreeMass<R>, Invalid> {
-    let kind = given.choices().kind;
-    if kind != Kind::Siva {
-        let field = match given.spec.count() {
-            1 => "absorber.kind".to_owned(),
-            _ => format!("absorber.{}.kind", given.absorber),
-        };
-        let rule = "absorbers on a structure with several modes, and all of a list in which one has a spring, a dashpot, \
-                    friction or an inclination, are free masses (kind \"siva\")";
-        return Err(Invalid::new(field, format!("\"{}\"", kind.name()), rule));
-    }
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
     let [mass_ratio, clearance] = shared(given, unit, [mass_ratio, clearance])?;

@@ -132,7 +132,8 @@ impl LinearStructure {
             let Pull { lever, inertia, swing, .. } = self.pulls[k];
             let pull = lever / self.lightness[k];
             let [y, w] = self.of(k);
-            for (column, by) in [(y, pull * swing[0] - inertia[1] * felt[k]), (w, pull * swing[1])] {
+            for (column, by) in [(y, pull * swing[0] - inertia[1] * felt[k]), (w, pull * swing[1])]
+            {
                 let mut forces = forces.column_mut(column);
                 forces += &self.shapes[k] * by;
             }

@@ -358,8 +358,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             (self.pushes(&state.phase, R::ONE), self.asides(&state.phase, R::ONE, 1));
         let regime = self.regime(&state.places);
         let begin = state.places;
-        let grown =
-            self.grown(state, &regime, (&pushes, asides.as_slice()), R::ONE, (2, 0));
+        let grown = self.grown(state, &regime, (&pushes, asides.as_slice()), R::ONE, (2, 0));
         let curves: [R; N] = std::array::from_fn(|k| {
             let asked = k < self.count() && !chosen(k) && !begin[k].carried();
             let curved = || self.curved(&grown, (k, &begin[k]), |m| pushes(m)[1], (R::ONE, 2));

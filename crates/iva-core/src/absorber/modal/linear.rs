@@ -10,7 +10,7 @@ use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place, tail
 use crate::absorber::derivatives::masses::{LinearStructure, Pull};
 use crate::absorber::{Absorber as _, Clock, ImpactLaw as _, OnStructure as _};
 use crate::force::Drive;
-use crate::host::{Host, Structure as _};
+use crate::host::Host;
 use crate::segment::flight::Motion as _;
 use crate::segment::taylor::Posture;
 
@@ -176,9 +176,8 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         let length = h / parts;
         let mut flow = DMatrix::identity(2, 2);
         for part in 0..parts as usize {
-            let [a, b] = NODES.map(|node| {
-                self.jacobian(&flight.state((part as f64 + node) * length), carried)
-            });
+            let [a, b] = NODES
+                .map(|node| self.jacobian(&flight.state((part as f64 + node) * length), carried));
             let turned = (&b * &a - &a * &b) * (length * length * 3.0_f64.sqrt() / 12.0);
             let step = ((a + b) * (0.5 * length) + turned).exp();
             flow = if part == 0 { step } else { step * flow };
@@ -204,10 +203,11 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         let driven = self.host.drive_ahead::<3>(&state.phase).as_ref().map_or(0.0, Drive::size);
         let mut sizes = rates.abs();
         for j in 0..n {
-            let [q, v] = [state.modes.places[j], state.modes.velocities[j]].map(|it| it.value.abs());
-            let pulled = self.swinging(&state.places).map(|(k, is)| {
-                linear.shapes[k][j].abs() * self.pulling(k, is, &state.places[k])
-            });
+            let [q, v] =
+                [state.modes.places[j], state.modes.velocities[j]].map(|it| it.value.abs());
+            let pulled = self
+                .swinging(&state.places)
+                .map(|(k, is)| linear.shapes[k][j].abs() * self.pulling(k, is, &state.places[k]));
             let own = linear.stiffness[(j, j)] * q + linear.damping[(j, j)].abs() * v;
             sizes[n + j] = own + driven + pulled.sum::<f64>();
         }

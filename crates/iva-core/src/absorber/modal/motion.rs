@@ -72,8 +72,18 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         };
         let (expansion, seen) = (OnceCell::new(), OnceCell::new());
         let sure = true;
-        let mut motion =
-            Self { system, regime, from: *from, oscillation, unit, reach, swings, sure, expansion, seen };
+        let mut motion = Self {
+            system,
+            regime,
+            from: *from,
+            oscillation,
+            unit,
+            reach,
+            swings,
+            sure,
+            expansion,
+            seen,
+        };
         if swings {
             motion.prove();
         }

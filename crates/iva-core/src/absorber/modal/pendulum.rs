@@ -14,8 +14,8 @@
 use super::state::Place;
 use super::structure::same;
 use super::{Modal, ModalState};
-use crate::absorber::{Angle, Wall};
 use crate::absorber::piva::{Angles, Parameters};
+use crate::absorber::{Angle, Wall};
 use crate::error::{Invalid, number};
 use crate::host::{Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
@@ -110,7 +110,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// How a pendulum hangs, to twice the precision.
-    pub(super) fn posture(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> Posture<DoubleDouble<R>> {
+    pub(super) fn posture(
+        &self,
+        k: usize,
+        is: &Pendulum<R>,
+        place: &Place<R>,
+    ) -> Posture<DoubleDouble<R>> {
         let y = self.gap_of_place(k, place);
         let c = is.precise_cosine(y);
         let rate = place.rate.over_sum(c);
@@ -180,7 +185,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// The energy of a pendulum in a place, whose point has a velocity v.
-    pub(super) fn energy_of_pendulum(&self, k: usize, is: &Pendulum<R>, place: &Place<R>, v: R) -> R {
+    pub(super) fn energy_of_pendulum(
+        &self,
+        k: usize,
+        is: &Pendulum<R>,
+        place: &Place<R>,
+        v: R,
+    ) -> R {
         let Posture { y, w, c, arc } = self.posture(k, is, place);
         let (y, w, c) = (y.value, w.value, c.value);
         let Pendulum { mass_ratio, inertia_ratio, lever, .. } = *is;

@@ -39,8 +39,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
         let share = if self.whole.count() == 1 { R::ONE } else { R::from(SLOWER) };
         let structure = self.whole.growth() * share;
-        let fastest =
-            R::larger(R::larger(drive, structure), self.swinging_rate(&from.places));
+        let fastest = R::larger(R::larger(drive, structure), self.swinging_rate(&from.places));
         R::from(Accuracy::<R>::of(R::ZERO).longest_step * R::STEP) / fastest
     }
 
@@ -192,7 +191,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             system.swinging_from(&from.places);
         for m in 0..=ORDER - 2 {
             system.rise::<DoubleDouble<R>, { ORDER + 1 }>(
-                &mut rows, &mut growing, m, pushes(m), &feed,
+                &mut rows,
+                &mut growing,
+                m,
+                pushes(m),
+                &feed,
             );
         }
         let place = &from.places[k];

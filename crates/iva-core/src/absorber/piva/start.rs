@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Piva, PivaState};
+use super::{Angles, Parameters, Piva, PivaState};
 use crate::absorber::{Clock, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::host::oscillator::Primary;
@@ -10,6 +10,8 @@ use crate::host::{Host, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
+use crate::segment::flight::GapPoint;
+use crate::segment::taylor::Pendulum;
 
 /// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -62,12 +64,11 @@ struct Pose<R = f64> {
     w: R,
 }
 
-impl<R: Real, H: Host<Real = R>> Piva<H> {
-    fn pose(&self, start: &PivaStart<R>) -> Pose<R> {
-        let b = self.parameters.contact_distance;
-        let small = self.pendulum.small_angles;
-        let (y, cosine) = match start.place {
-            Given::Gap(y) => (y, self.pendulum.precise_cosine(DoubleDouble::new(y))),
+impl<R: Real> Pose<R> {
+    fn new(pendulum: &Pendulum<R>, place: Given<R>, rate: Given<R>) -> Self {
+        let (b, small) = (pendulum.contact_distance, pendulum.small_angles);
+        let (y, cosine) = match place {
+            Given::Gap(y) => (y, pendulum.precise_cosine(DoubleDouble::new(y))),
             Given::Angle(angle) if small => (b * angle, DoubleDouble::new(R::ONE)),
             Given::Angle(angle) => {
                 let (sine, cosine) = R::sincos(angle);
@@ -75,12 +76,47 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
             }
         };
         #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
-        let w = match start.rate {
+        let w = match rate {
             Given::Gap(w) if w == 0.0 => R::ZERO,
             Given::Gap(w) => w / cosine.value,
             Given::Angle(rate) => b * rate,
         };
-        Pose { y, cosine, w }
+        Self { y, cosine, w }
+    }
+}
+
+impl<R: Real> Parameters<R> {
+    /// Gap displacement and gap velocity of a pendulum below its pivot, between stops at an offset ± d.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an angle beyond the stops, naming `start.angle`.
+    pub fn gap(&self, place: Given<R>, rate: Given<R>, offset: R) -> Result<GapPoint<R>, Invalid> {
+        let Pose { y, cosine, w } = Pose::new(&self.pendulum(), place, rate);
+        let (d, b) = (self.clearance, self.contact_distance);
+        if let Given::Angle(angle) = place {
+            let beyond = (y - offset).abs() - d > R::EPSILON * ON_WALL_ULPS * (d + offset.abs());
+            if beyond || cosine.value <= 0.0 || angle.is_nan() {
+                let [low, high] = [offset - d, offset + d].map(|y| {
+                    let sine = y / b;
+                    let cosine = (R::ONE - sine * sine).max(0.0).sqrt();
+                    let turned = R::atan2(sine, cosine);
+                    number(if self.angles == Angles::Small { sine } else { turned })
+                });
+                let rule = format!("it must lie between the stops, from {low} to {high} rad");
+                return Err(Invalid::new("start.angle", number(angle), rule));
+            }
+        }
+        let w = match rate {
+            Given::Gap(w) => w,
+            Given::Angle(_) => cosine.value * w,
+        };
+        Ok(GapPoint { y, w })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Piva<H> {
+    fn pose(&self, start: &PivaStart<R>) -> Pose<R> {
+        Pose::new(&self.pendulum, start.place, start.rate)
     }
 
     /// Checks that a start is in [`crate::range`] and lies in the gap.

@@ -264,12 +264,7 @@ struct Slopes<R> {
 impl<R: Real> Slopes<R> {
     /// `defect`: that of a.
     #[inline(always)]
-    fn new(
-        pendulum: &Pendulum<R>,
-        sums: &Sums<R>,
-        defect: R,
-        (fastest, length): (R, R),
-    ) -> Self {
+    fn new(pendulum: &Pendulum<R>, sums: &Sums<R>, defect: R, (fastest, length): (R, R)) -> Self {
         let Pendulum {
             mass_ratio,
             contact_distance: b,
