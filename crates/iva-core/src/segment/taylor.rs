@@ -23,7 +23,7 @@ use crate::number::real::Real;
 pub(crate) use crate::number::series::unrolled;
 pub use crate::number::series::{Number, ORDER, Row};
 
-pub(crate) use pivoted::{Growing, Posture};
+pub(crate) use pivoted::{Growing, Posture, ROOM};
 use recurrence::Recurrence;
 pub use remainder::Remainder;
 pub(crate) use remainder::several::{InFlight, LAST, RemainderOfSeveral, Shaking};

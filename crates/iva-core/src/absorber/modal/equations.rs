@@ -253,6 +253,23 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return;
         }
         let zero = T::from_real(R::ZERO);
+        if let [k] = *stuck.masses {
+            let shape = self.gap_shape(k);
+            let begin = if self.tied[k].is_some() {
+                zero
+            } else if self.gravity[k] == 0.0 {
+                a
+            } else {
+                a + gravity * T::from_real(self.gravity[k])
+            };
+            let felt = shape.iter().zip(&*force);
+            let load = felt.fold(begin, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
+            let pull = T::of(stuck.inverse[0]) * load;
+            for (force, phi) in force.iter_mut().zip(shape) {
+                *force = *force - pull * T::from_real(*phi);
+            }
+            return;
+        }
         let mut load = [zero; MOST];
         for (load, k) in load.iter_mut().zip(&stuck.masses) {
             let felt = self.gap_shape(*k).iter().zip(&*force);
@@ -274,19 +291,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     #[inline(always)]
     pub(super) fn curved(
         &self,
-        Grown { rows, swings }: &Grown<'_, R>,
+        grown: &Grown<'_, R>,
         (k, place): (usize, &Place<R>),
         base: impl Fn(usize) -> DoubleDouble<R>,
         (unit, order): (R, usize),
     ) -> Series<R> {
-        if let Some(swing) = swings.iter().find(|swing| swing.index == k) {
-            return swing.curved(order);
+        if let Some(curved) = grown.swung(k, order) {
+            return curved;
         }
         let Followed { shape, factor, with_base, constant } = self.followed(k, place);
         let mut sum = Series::ZERO;
         let based = with_base && self.host.moves_base();
         for m in 2..=order {
-            let mut moved = rows.summed(shape, m);
+            let mut moved = grown.rows.summed(shape, m);
             if based {
                 let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
                 moved = moved + scaled(base(m - 2), unit * unit) * over;

@@ -72,9 +72,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         for k in 0..system.count() {
             let place = &from.places[k];
             let rubs = system.friction[k] != 0.0;
-            let hangs = system.hanging(k).is_some();
-            ahead.places[k] = if place.carried() || rubs || hangs || system.host.moves_base() {
+            ahead.places[k] = if place.carried() || rubs || system.host.moves_base() {
                 self.place(k, h)
+            } else if system.hanging(k).is_some() {
+                let [distance, rate, _] = self.approach(k, h);
+                let [distance, rate] = [distance, rate].map(DoubleDouble::new);
+                Place { distance, rate, shaken: None, ..*place }
             } else {
                 let [mut u, mut v] = [R::ZERO; 2];
                 for (j, phi) in system.gap_shape(k).iter().enumerate() {

@@ -93,7 +93,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
     fn lost_in_pivots(&self, nodes: &AtNodes<R>) -> R {
         let damped = |(k, is): &(usize, &Pendulum<R>)| {
             let swing = self.swing(*k).filter(|_| is.pivot_damping != 0.0)?;
-            let turning = at_nodes(&swing.series.w, nodes);
+            let w: Row<R> = std::array::from_fn(|m| swing.series.w[m]);
+            let turning = at_nodes(&w, nodes);
             let inertia = is.mass_ratio * is.inertia_ratio * (is.lever * is.lever);
             Some(inertia * is.pivot_damping * mean(&turning, &turning))
         };

@@ -14,7 +14,7 @@ use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::Jet;
-use crate::segment::taylor::{ORDER, Row};
+use crate::segment::taylor::{ORDER, ROOM, Row};
 
 /// A mass this close to the wall that it left, in clearances, is followed by the series of its own distance.
 const NEAR: f64 = 1e-6;
@@ -149,7 +149,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     }
 
     /// The power series of a pendulum in flight; `None` of any other member.
-    pub(super) fn swing(&self, k: usize) -> Option<&Swing<'a, R>> {
+    pub(super) fn swing(&self, k: usize) -> Option<&Swing<'a, R, R, ROOM>> {
         if !self.swings {
             return None;
         }

@@ -4,7 +4,7 @@
 //! for contacts needs are those of the polynomials; their truncation errors are part of its doubt.
 
 use super::series::Series;
-use super::swings::{Feed, Grown};
+use super::swings::{Feed, Grown, Swing};
 use super::{Modal, ModalMotion, ModalState, Place};
 use crate::absorber::piva::accuracy::{
     Accuracy, MOST_HALVINGS, MOST_SHORTENINGS, SHORTER, shortening,
@@ -14,7 +14,7 @@ use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::taylor::{
-    Growing, InFlight, LAST, ORDER, Pendulum, RemainderOfSeveral, Shaking,
+    InFlight, LAST, ORDER, Pendulum, ROOM, RemainderOfSeveral, Shaking,
 };
 
 /// How much of its rate Λ a structure of several modes counts with in the length of a motion: the fastest mode moves least.
@@ -187,24 +187,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let fixed = system.fixed_at(&from.places);
         let feed = Feed { regime: &self.regime, fixed: &fixed, asides: self.asides(), unit };
         let mut rows = system.begun(&from.modes, unit, (ORDER, ORDER + 1));
-        let mut growing: Vec<(usize, Growing<'_, R, DoubleDouble<R>, { ORDER + 1 }>)> =
+        let mut swings: Vec<Swing<'_, R, DoubleDouble<R>, ROOM>> =
             system.swinging_from(&from.places);
         for m in 0..=ORDER - 2 {
-            system.rise::<DoubleDouble<R>, { ORDER + 1 }>(
-                &mut rows,
-                &mut growing,
-                m,
-                pushes(m),
-                &feed,
-            );
+            system.rise(&mut rows, &mut swings, m, pushes(m), &feed);
         }
         let place = &from.places[k];
-        let swing = growing.iter().find(|(index, _)| *index == k);
+        let swing = swings.iter().find(|swing| swing.index == k);
         let followed = system.followed(k, place);
         let square = DoubleDouble::new(unit).times(unit);
         let coefficient = |m: usize| {
-            if let Some((_, swing)) = swing {
-                return -swing.y[m];
+            if let Some(swing) = swing {
+                return -swing.series.y[m];
             }
             let mut moved = rows.summed(followed.shape, m);
             if followed.with_base {

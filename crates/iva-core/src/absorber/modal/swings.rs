@@ -10,10 +10,12 @@ use super::{Modal, ModalState};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::{Growing, ORDER};
+use crate::segment::taylor::{Growing, ORDER, ROOM};
 
 /// Number of coefficients of the gap of a pendulum that are to twice the precision.
 pub(super) const FIRST: usize = 3;
+/// The length of their rows.
+const SHORT: usize = 4;
 
 /// The power series of a motion.
 #[derive(Debug, Clone)]
@@ -21,32 +23,30 @@ pub(super) struct Grown<'a, R> {
     /// q of all modes.
     pub rows: ModalSeries<R>,
     /// Those of the pendulums in flight.
-    pub swings: Vec<Swing<'a, R>>,
+    pub swings: Vec<Swing<'a, R, R, ROOM>>,
+    /// The first coefficients of y of each.
+    firsts: Vec<[DoubleDouble<R>; FIRST]>,
 }
 
 /// The power series of a pendulum in flight.
 #[derive(Debug, Clone)]
-pub(super) struct Swing<'a, R> {
+pub(super) struct Swing<'a, R, T, const LENGTH: usize> {
     /// Which of the members it is.
     pub index: usize,
-    pub series: Growing<'a, R, R, { ORDER + 1 }>,
-    /// The first coefficients of y.
-    first: [DoubleDouble<R>; FIRST],
+    pub series: Growing<'a, R, T, LENGTH>,
 }
 
-impl<R: Real> Swing<'_, R> {
-    /// −y from power 2 on up to `order`.
+impl<R: Real> Grown<'_, R> {
+    /// −y of a pendulum in flight from power 2 on up to `order`; `None` of any other member.
     #[inline(always)]
-    pub(super) fn curved(&self, order: usize) -> Series<R> {
+    pub(super) fn swung(&self, k: usize, order: usize) -> Option<Series<R>> {
+        let at = self.swings.iter().position(|swing| swing.index == k)?;
         let mut curved = Series::ZERO;
-        for m in 2..=order {
-            let y = match self.first.get(m) {
-                Some(y) => *y,
-                None => DoubleDouble::new(self.series.y[m]),
-            };
-            curved.set(m, -y);
+        curved.set(2, -self.firsts[at][2]);
+        for m in FIRST..=order {
+            curved.set(m, DoubleDouble::new(-self.swings[at].series.y[m]));
         }
-        curved
+        Some(curved)
     }
 }
 
@@ -71,13 +71,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> Grown<'a, R> {
         if !self.swings() {
             let rows = self.series(&state.modes, regime, (pushes, asides), unit, orders);
-            return Grown { rows, swings: vec![] };
+            return Grown { rows, swings: vec![], firsts: vec![] };
         }
-        self.swung(state, regime, (&pushes, asides), unit, orders)
+        self.grown_swinging(state, regime, (&pushes, asides), unit, orders)
     }
 
     #[inline(never)]
-    fn swung<'a>(
+    fn grown_swinging<'a>(
         &'a self,
         state: &ModalState<H, N, M>,
         regime: &Regime<'_, R, N>,
@@ -89,44 +89,44 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let feed = Feed { regime, fixed: &fixed, asides, unit };
         let precise = if exact < FIRST { 0 } else { 1 };
         let mut rows = self.begun(&state.modes, unit, (order, FIRST * precise));
-        let mut begin: Vec<(usize, Growing<'a, R, DoubleDouble<R>, FIRST>)> =
+        let mut begun: Vec<Swing<'a, R, DoubleDouble<R>, SHORT>> =
             self.swinging_from(&state.places);
-        for m in 0..precise {
-            self.rise::<DoubleDouble<R>, FIRST>(&mut rows, &mut begin, m, pushes(m), &feed);
+        if precise > 0 {
+            self.rise(&mut rows, &mut begun, 0, pushes(0), &feed);
         }
-        let over = DoubleDouble::new(unit);
-        let firsts = begin.iter().map(|(_, it)| {
-            let last = if precise > 0 { it.ahead(1, over) } else { DoubleDouble::ZERO };
-            [it.y[0], it.y[1], last]
-        });
-        let firsts: Vec<_> = firsts.collect();
-        let mut growing: Vec<(usize, Growing<'a, R, R, { ORDER + 1 }>)> =
-            begin.into_iter().map(|(k, it)| (k, it.map(|number| number.value))).collect();
+        let going_on = |Swing { index, series }: &Swing<'a, R, DoubleDouble<R>, SHORT>| Swing {
+            index: *index,
+            series: Growing::from_first(series, precise, |number| number.value),
+        };
+        let mut swings: Vec<Swing<'a, R, R, ROOM>> = begun.iter().map(going_on).collect();
         for m in precise..=order - 2 {
-            self.rise::<R, { ORDER + 1 }>(&mut rows, &mut growing, m, pushes(m), &feed);
+            self.rise(&mut rows, &mut swings, m, pushes(m), &feed);
         }
         // One more order of y asks for no acceleration; the bound on what is left out knows none.
-        for (_, it) in growing.iter_mut().filter(|_| order < ORDER) {
-            it.y[order] = it.ahead(order - 1, unit);
+        for Swing { series, .. } in swings.iter_mut().filter(|_| order < ORDER) {
+            series.y[order] = series.ahead(order - 1, unit);
         }
-        let swings = growing.into_iter().zip(firsts).map(|((index, series), mut first)| {
-            if precise == 0 {
-                first = [0, 1, 2].map(|m| DoubleDouble::new(series.y[m]));
+        let first = |(first, swing): (&Swing<'a, R, DoubleDouble<R>, SHORT>, &Swing<'a, R, R, ROOM>)| {
+            let (y, plain) = (&first.series.y, &swing.series.y);
+            match precise {
+                0 => [0, 1, 2].map(|m| DoubleDouble::new(plain[m])),
+                _ => [y[0], y[1], first.series.ahead(1, DoubleDouble::new(unit))],
             }
-            Swing { index, series, first }
-        });
-        Grown { rows, swings: swings.collect() }
+        };
+        let firsts = begun.iter().zip(&swings).map(first).collect();
+        Grown { rows, swings, firsts }
     }
 
     /// All pendulums that swing at the begin of their series.
     pub(super) fn swinging_from<'a, const LENGTH: usize>(
         &'a self,
         places: &[super::Place<R>; N],
-    ) -> Vec<(usize, Growing<'a, R, DoubleDouble<R>, LENGTH>)> {
+    ) -> Vec<Swing<'a, R, DoubleDouble<R>, LENGTH>> {
         let flying = (0..self.count()).filter(|k| !places[*k].carried());
-        let hanging = flying.filter_map(|k| {
-            let is = self.hanging(k)?;
-            Some((k, Growing::new(is, self.posture(k, is, &places[k]))))
+        let hanging = flying.filter_map(|index| {
+            let is = self.hanging(index)?;
+            let series = Growing::new(is, self.posture(index, is, &places[index]));
+            Some(Swing { index, series })
         });
         hanging.collect()
     }
@@ -136,7 +136,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     pub(super) fn rise<T: Term<R>, const LENGTH: usize>(
         &self,
         rows: &mut ModalSeries<R>,
-        growing: &mut [(usize, Growing<'_, R, T, LENGTH>)],
+        swings: &mut [Swing<'_, R, T, LENGTH>],
         m: usize,
         pushed: Pushed<R>,
         Feed { regime, fixed, asides, unit }: &Feed<'_, '_, R, N>,
@@ -145,9 +145,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (h, square) = (n(*unit), n(*unit * *unit));
         let over = n(R::ONE / *unit);
         let (mut force, felt) = self.forces::<T>(rows, m, &regime.pulls, (pushed, asides), *unit);
-        for (k, it) in growing.iter_mut() {
-            let pull = it.prepare(m, (h, over)) * square;
-            for (force, phi) in force.iter_mut().zip(self.shape(*k)) {
+        for Swing { index, series } in swings.iter_mut() {
+            let pull = series.prepare(m, (h, over)) * square;
+            for (force, phi) in force.iter_mut().zip(self.shape(*index)) {
                 *force = *force - pull * n(*phi);
             }
         }
@@ -155,10 +155,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let each = T::reciprocal((m + 1) * (m + 2));
         rows.set(m + 2, |j| force[j] * each);
         let over_square = over * over;
-        for (k, it) in growing.iter_mut() {
-            let felt = self.shape(*k).iter().zip(&force);
+        for Swing { index, series } in swings.iter_mut() {
+            let felt = self.shape(*index).iter().zip(&force);
             let moved = felt.fold(n(R::ZERO), |sum, (phi, force)| *force * n(*phi) + sum);
-            it.raise(m, moved.fused(over_square, T::of(pushed[1])), h);
+            series.raise(m, moved.fused(over_square, T::of(pushed[1])), h);
         }
     }
 }

@@ -7,7 +7,6 @@
 //! −μ (1 − c₀²/κ) A_k − μλ ((k+1)/h B − c₀ R).
 //! ```
 
-use super::recurrence::convolutions;
 use super::{Number, Pendulum, Spring};
 use crate::number::real::Real;
 
@@ -20,6 +19,9 @@ pub(crate) struct Posture<T> {
     pub arc: T,
 }
 
+/// The length of rows that hold all orders.
+pub(crate) const ROOM: usize = 24;
+
 /// The series of a pendulum as they grow, with what does not change on the way.
 #[derive(Debug, Clone)]
 pub(crate) struct Growing<'a, R, T, const LENGTH: usize> {
@@ -29,6 +31,11 @@ pub(crate) struct Growing<'a, R, T, const LENGTH: usize> {
     pub c: [T; LENGTH],
     /// The acceleration of the pivot.
     pub a: [T; LENGTH],
+    /// W and A with the last order first, W₀ at [`Growing::LAST`] and A₀ before it, so that sums over both ends of a product run one way.
+    w_back: [T; LENGTH],
+    a_back: [T; LENGTH],
+    /// c from the first order on.
+    c_later: [T; LENGTH],
     arc: [T; LENGTH],
     /// R, and (c W)_k of the order at hand.
     rest: T,
@@ -39,36 +46,53 @@ pub(crate) struct Growing<'a, R, T, const LENGTH: usize> {
 }
 
 impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LENGTH> {
+    /// The place of W₀: rows have a length that is a multiple of four.
+    const LAST: usize = LENGTH - 4;
+
     #[inline(always)]
     pub fn new(pendulum: &'a Pendulum<R>, begin: Posture<T>) -> Self {
         let zero = T::from_real(R::ZERO);
-        let mut rows = [[zero; LENGTH]; 5];
-        let Posture { y, w, c, arc } = begin;
-        for (row, value) in rows.iter_mut().zip([y, w, c, arc]) {
-            row[0] = value;
-        }
-        let [y, w, c, arc, a] = rows;
+        let row = [zero; LENGTH];
         let b = T::from_real(pendulum.contact_distance);
         let over_b2 = T::reciprocal(1) / (b * b);
-        Self { pendulum, y, w, c, a, arc, rest: zero, swept: zero, swung: zero, over_b2 }
+        let mut growing = Self {
+            pendulum,
+            y: row,
+            w: row,
+            c: row,
+            a: row,
+            w_back: row,
+            a_back: row,
+            c_later: row,
+            arc: row,
+            rest: zero,
+            swept: zero,
+            swung: zero,
+            over_b2,
+        };
+        let Posture { y, w, c, arc } = begin;
+        (growing.y[0], growing.w[0], growing.c[0], growing.arc[0]) = (y, w, c, arc);
+        growing.w_back[Self::LAST] = w;
+        growing
     }
 
-    /// The same in other numbers, with room for more orders.
+    /// Goes on from orders up to some, which other numbers have.
     #[inline(always)]
-    pub fn map<Q: Number<Real = R>, const MORE: usize>(
-        &self,
-        number: impl Fn(T) -> Q,
-    ) -> Growing<'a, R, Q, MORE> {
-        let zero = Q::from_real(R::ZERO);
-        let longer = |row: &[T; LENGTH]| {
-            let mut longer = [zero; MORE];
-            longer.iter_mut().zip(row).for_each(|(to, from)| *to = number(*from));
-            longer
-        };
-        let [y, w, c, a, arc] = [&self.y, &self.w, &self.c, &self.a, &self.arc].map(longer);
-        let [rest, swept] = [self.rest, self.swept].map(&number);
-        let [swung, over_b2] = [self.swung, self.over_b2].map(&number);
-        Growing { pendulum: self.pendulum, y, w, c, a, arc, rest, swept, swung, over_b2 }
+    pub fn from_first<Q: Number<Real = R>, const FIRST: usize>(
+        first: &Growing<'a, R, Q, FIRST>,
+        order: usize,
+        number: impl Fn(Q) -> T,
+    ) -> Self {
+        let [y, w, c, arc] = [first.y[0], first.w[0], first.c[0], first.arc[0]].map(&number);
+        let mut own = Self::new(first.pendulum, Posture { y, w, c, arc });
+        for k in 1..=order {
+            (own.y[k], own.c[k]) = (number(first.y[k]), number(first.c[k]));
+            (own.w[k], own.a[k - 1]) = (number(first.w[k]), number(first.a[k - 1]));
+            (own.arc[k], own.c_later[k - 1]) = (number(first.arc[k]), own.c[k]);
+            (own.w_back[Self::LAST - k], own.a_back[Self::LAST - k]) = (own.w[k], own.a[k - 1]);
+        }
+        own.swung = number(first.swung);
+        own
     }
 
     /// All of order k but A_k, W_{k+1} and y_{k+1}; returns μλ ((k+1)/h B − c₀ R).
@@ -92,22 +116,32 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
             self.rest = rest;
             return n(is.mass_ratio * is.lever) * -(c0 * rest);
         }
-        let (w0, w) = (self.w[0], self.w[k]);
-        let [mut yw, mut cw, mut ca] = convolutions(&self.y, &self.w, &self.c, &self.a, k);
-        yw = self.y[0].fused(w, yw);
-        if k > 0 {
-            yw = self.y[k].fused(w0, yw);
-            ca = self.c[1].fused(self.a[k - 1], ca);
-        }
-        self.c[k + 1] = -(h * T::reciprocal(k + 1) * self.over_b2 * yw);
-        cw = self.c[1].fused(w, cw);
-        if k > 0 {
-            cw = self.c[k + 1].fused(w0, cw);
-        }
-        self.swung = cw;
+        let [yw, cw, ca] = self.products(k);
+        let c = -(h * T::reciprocal(k + 1) * self.over_b2 * yw);
+        self.c[k + 1] = c;
+        self.c_later[k] = c;
+        self.swung = c.fused(self.w[0], cw);
         self.rest = n(is.coupling).fused(ca, rest);
-        let gained = n(R::from((k + 1) as f64)) * over_h * cw;
+        let gained = n(R::from((k + 1) as f64)) * over_h * self.swung;
         n(is.mass_ratio * is.lever) * (gained - c0 * self.rest)
+    }
+
+    /// Σ y_i W_{k−i}, and Σ c_{i+1} W_{k−i} and Σ c_{i+1} A_{k−1−i} over what is known: rows are 0 beyond, so that the sums run in whole fours.
+    #[inline(always)]
+    fn products(&self, k: usize) -> [T; 3] {
+        let mut parts = [[T::from_real(R::ZERO); 4]; 3];
+        let fours = k / 4 + 1;
+        let front = self.y.chunks_exact(4).zip(self.c_later.chunks_exact(4));
+        let w_back = self.w_back[Self::LAST - k..].chunks_exact(4);
+        let a_back = self.a_back[Self::LAST - k..].chunks_exact(4);
+        for (((y, c), w), a) in front.zip(w_back).zip(a_back).take(fours) {
+            for i in 0..4 {
+                parts[0][i] = y[i].fused(w[i], parts[0][i]);
+                parts[1][i] = c[i].fused(w[i], parts[1][i]);
+                parts[2][i] = c[i].fused(a[i], parts[2][i]);
+            }
+        }
+        parts.map(|[a, b, c, d]| (a + b) + (c + d))
     }
 
     /// W_{k+1} and y_{k+1}, from A_k.
@@ -116,8 +150,12 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
         self.a[k] = a;
         let over = h * T::reciprocal(k + 1);
         let beta = T::from_real(self.pendulum.coupling);
-        self.w[k + 1] = -(over * (beta * self.c[0]).fused(a, self.rest));
+        let w = -(over * (beta * self.c[0]).fused(a, self.rest));
+        self.w[k + 1] = w;
         self.y[k + 1] = over * self.swept;
+        if let Some(at) = Self::LAST.checked_sub(k + 1) {
+            (self.w_back[at], self.a_back[at]) = (w, a);
+        }
     }
 
     /// y_{k+1}, which W_k makes known before A_k.

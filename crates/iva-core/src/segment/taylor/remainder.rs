@@ -68,7 +68,7 @@ impl<R: Real> Remainder<R> {
         (h, most): (R, R),
     ) -> Self {
         let Series { x, u, a, y, w, c } = series;
-        let sums = Sums::new::<N>(Swung { y, w, c, a }, most);
+        let sums = Sums::new::<N, _>(Swung { y, w, c, a }, most);
         let lasts = [x, u].map(|row| row[N].abs() * power(most, N));
         let defects = Defects::new(pendulum, (&sums, lasts), driven, h * most, N);
         let [primary, gap, within] = defects.grown(pendulum, fastest, &sums, N as f64);
@@ -152,16 +152,16 @@ struct Sums<R> {
 
 /// The series of a pendulum, and that of the acceleration of its pivot.
 #[derive(Clone, Copy)]
-struct Swung<'a, R> {
-    y: &'a [R; ORDER + 1],
-    w: &'a [R; ORDER + 1],
-    c: &'a [R; ORDER + 1],
-    a: &'a [R; ORDER + 1],
+struct Swung<'a, R, const LENGTH: usize> {
+    y: &'a [R; LENGTH],
+    w: &'a [R; LENGTH],
+    c: &'a [R; LENGTH],
+    a: &'a [R; LENGTH],
 }
 
 impl<R: Real> Sums<R> {
     #[inline(always)]
-    fn new<const N: usize>(series: Swung<'_, R>, most: R) -> Self {
+    fn new<const N: usize, const LENGTH: usize>(series: Swung<'_, R, LENGTH>, most: R) -> Self {
         let mut scales = [R::ONE; ORDER + 1];
         let mut scale = R::ONE;
         #[allow(unused_assignments)] // after the last
@@ -171,7 +171,7 @@ impl<R: Real> Sums<R> {
                 scale *= most;
             });
         }
-        let size = |row: &[R; ORDER + 1], k: usize| row[k].abs() * scales[k];
+        let size = |row: &[R; LENGTH], k: usize| row[k].abs() * scales[k];
         let zero = R::ZERO;
         let [mut w, mut w_rate, mut a] = [zero; 3]; // S_W(m), Σ_{j≥m} j |W_j| and S_a(m)
         let [mut cw, mut yw, mut ca, mut cw_rate] = [zero; 4];

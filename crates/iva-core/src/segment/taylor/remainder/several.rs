@@ -9,7 +9,7 @@
 
 use super::{MARGIN, NEIGHBOURHOOD, Own, Slopes, Sums, Swung, WIDER, power};
 use crate::number::real::Real;
-use crate::segment::taylor::{Growing, ORDER};
+use crate::segment::taylor::{Growing, ORDER, ROOM};
 
 /// The order of the bound: the structure, whose coordinates are known up to [`ORDER`], is known by its velocities up to this one.
 pub(crate) const LAST: usize = ORDER - 1;
@@ -27,7 +27,7 @@ pub(crate) struct RemainderOfSeveral<R> {
 
 /// A pendulum with its series, up to W of order [`LAST`].
 pub(crate) struct InFlight<'a, R> {
-    pub series: &'a Growing<'a, R, R, { ORDER + 1 }>,
+    pub series: &'a Growing<'a, R, R, ROOM>,
     /// ‖φ‖ at its point.
     pub shape: R,
 }
@@ -54,7 +54,7 @@ impl<R: Real> RemainderOfSeveral<R> {
         let (length, n) = (h * most, R::from(LAST as f64));
         let of = |it: &InFlight<'_, R>| {
             let Growing { pendulum, y, w, c, a, .. } = it.series;
-            let sums = Sums::new::<LAST>(Swung { y, w, c, a }, most);
+            let sums = Sums::new::<LAST, _>(Swung { y, w, c, a }, most);
             let own = Own::new(pendulum, &sums, length, LAST);
             (sums, own)
         };
