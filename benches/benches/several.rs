@@ -7,9 +7,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use iva_core::absorber::mixed::{Mixed, MixedStart, OneOf};
 use iva_core::absorber::modal::{MOST, Modal, ModalStart, ModalStructure, PRIMARY, Tie};
-use iva_core::absorber::{Absorber, Point, Start};
+use iva_core::absorber::{Absorber, Start};
 use iva_core::error::Invalid;
 use iva_core::flight::GapPoint;
 use iva_core::force::{Acts, Force, Harmonic};
@@ -108,16 +107,18 @@ fn pendulums(criterion: &mut Criterion) -> Result<(), Invalid> {
     run(criterion, ("pendulum, decay", 1), &one, &start)?;
     run(criterion, ("pendulum, driven", 1), &one.under(push()?), &start)?;
     for count in [2, 4, 8] {
-        let mut all = Vec::new();
-        for (k, mass) in masses(count)?.into_iter().enumerate() {
+        let (masses, mut pendulums) = (masses(count)?, Vec::new());
+        for (k, mass) in masses.iter().enumerate() {
             let parameters = parameters(MASS_RATIO / count as f64, mass.clearance());
-            let pendulum = || OneOf::pendulum(Piva::new(parameters)?);
-            all.push(if k % 2 == 0 { pendulum()? } else { OneOf::Mass(mass) });
+            pendulums.push((k % 2 == 0).then_some(parameters));
         }
-        let system = Mixed::new(DAMPING_RATIO, all)?;
-        let start = MixedStart::of(Point { x: 1.0, v: 0.0 }, &[]);
+        let members: Vec<_> = masses.into_iter().map(|mass| (mass, PRIMARY)).collect();
+        let system = Modal::of(ModalStructure::moving_as_one(DAMPING_RATIO)?, &members)?;
+        let system = system.with_pendulums(&pendulums)?;
+        let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; MOST])?;
         run(criterion, ("pendulums and masses, decay", count), &system, &start)?;
-        run(criterion, ("pendulums and masses, driven", count), &system.under(push()?), &start)?;
+        let driven = system.under(push()?, PRIMARY)?;
+        run(criterion, ("pendulums and masses, driven", count), &driven, &start)?;
     }
     Ok(())
 }

@@ -13,9 +13,7 @@ use crate::force::{Drive, Force};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::{
-    InFlight, LAST, ORDER, Pendulum, ROOM, RemainderOfSeveral, Shaking,
-};
+use crate::segment::taylor::{InFlight, LAST, ORDER, Pendulum, ROOM, RemainderOfSeveral, Shaking};
 
 /// How much of its rate Λ a structure of several modes counts with in the length of a motion: the fastest mode moves least.
 const SLOWER: f64 = 0.5;
@@ -217,3 +215,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         place.distance + place.rate.times(h) + sided
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -106,13 +106,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for Swing { series, .. } in swings.iter_mut().filter(|_| order < ORDER) {
             series.y[order] = series.ahead(order - 1, unit);
         }
-        let first = |(first, swing): (&Swing<'a, R, DoubleDouble<R>, SHORT>, &Swing<'a, R, R, ROOM>)| {
-            let (y, plain) = (&first.series.y, &swing.series.y);
-            match precise {
-                0 => [0, 1, 2].map(|m| DoubleDouble::new(plain[m])),
-                _ => [y[0], y[1], first.series.ahead(1, DoubleDouble::new(unit))],
-            }
-        };
+        let first =
+            |(first, swing): (&Swing<'a, R, DoubleDouble<R>, SHORT>, &Swing<'a, R, R, ROOM>)| {
+                let (y, plain) = (&first.series.y, &swing.series.y);
+                match precise {
+                    0 => [0, 1, 2].map(|m| DoubleDouble::new(plain[m])),
+                    _ => [y[0], y[1], first.series.ahead(1, DoubleDouble::new(unit))],
+                }
+            };
         let firsts = begun.iter().zip(&swings).map(first).collect();
         Grown { rows, swings, firsts }
     }
