@@ -346,7 +346,6 @@ fn work_of(study: &Study) -> u64 {
     match design.scene {
         Scene::Siva(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenSiva(it) => tally(&it.system, &it.start, &design.limits),
-        Scene::Mixed(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Modal(it) => tally(&it.system, &it.start, &design.limits),
         Scene::FewModes(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Piva(it) => tally(&it.system, &it.start, &design.limits),
