@@ -59,11 +59,12 @@ pub fn swinging_decays(
     masses: u32,
     narrowest: f64,
     tolerance: f64,
-) -> Result<Vec<Job<Piva>>, Invalid> {
+) -> Result<Vec<Job<Piva<DrivenHost>>>, Invalid> {
     let pendulum = |Job { system, limits, .. }: Job<Siva>| {
         let (mu, e) = (system.mass_ratio(), system.restitution(Wall::Plus));
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
         let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
+        let system = system.under(Force::harmonic(vec![])?);
         Ok(Job { begin: 0.0, system, start: START.into(), limits, steady: None, tier: Tier::Exact })
     };
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()

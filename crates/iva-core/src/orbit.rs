@@ -29,10 +29,11 @@ use crate::absorber::{Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run, Tally};
 use crate::error::{Invalid, number};
 use crate::force::Force;
-use crate::host::{DrivenHost, Excitation, Host, UndrivenHost};
+use crate::host::{DrivenHost, Excitation};
 use crate::measures::propagation::{Differentiable, Tangent};
 use crate::range;
 use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
+use crate::run::piva::{Pushed, Still};
 use crate::run::side_by_side::{LANES, SideBySide, Tier, WIDE, with_steps};
 
 pub mod attractors;
@@ -305,33 +306,15 @@ impl Iterated for Siva<DrivenHost> {
     }
 }
 
-/// The key of pendulums that can go side by side; `None` if derivatives are wanted, which lanes do not compute.
-fn swinging<H: Host<Real = f64>>(piva: &Piva<H>, request: &Request<'_>) -> Option<[u64; 2]> {
-    let Piva { pendulum, accuracy, .. } = piva;
-    let key = [accuracy.tolerance.to_bits(), pendulum.equations() as u64];
-    (!request.tangents).then_some(key)
-}
-
-impl Iterated for Piva {
-    fn key(trajectory: &Trajectory<Self>, request: &Request<'_>) -> Option<[u64; 2]> {
-        swinging(&trajectory.system, request)
-    }
-
-    fn iterate_group(
-        all: (&[Trajectory<Self>], &[Limits]),
-        group: &[usize],
-        request: Request<'_>,
-        see: See<'_, Self>,
-    ) {
-        let leader = &all.0[group[0]].system;
-        with_steps!(leader, UndrivenHost, L => in_lanes::iterate::<_, L>(all, group, request, see));
-    }
-}
-
 impl Iterated for Piva<DrivenHost> {
     fn key(trajectory: &Trajectory<Self>, request: &Request<'_>) -> Option<[u64; 2]> {
-        let single = trajectory.system.force().is_some_and(Force::is_single);
-        swinging(&trajectory.system, request).filter(|_| single)
+        let Piva { pendulum, accuracy, .. } = &trajectory.system;
+        let force = trajectory.system.force();
+        let still = force.is_none_or(Force::is_none);
+        let fits = still || force.is_some_and(Force::is_single);
+        let key = 2 * pendulum.equations() as u64 + u64::from(still);
+        // Lanes compute no derivatives.
+        (fits && !request.tangents).then_some([accuracy.tolerance.to_bits(), key])
     }
 
     fn iterate_group(
@@ -341,6 +324,10 @@ impl Iterated for Piva<DrivenHost> {
         see: See<'_, Self>,
     ) {
         let leader = &all.0[group[0]].system;
-        with_steps!(leader, DrivenHost, L => in_lanes::iterate::<_, L>(all, group, request, see));
+        if leader.excitation().is_driven() {
+            with_steps!(leader, Pushed, L => in_lanes::iterate::<_, L>(all, group, request, see));
+        } else {
+            with_steps!(leader, Still, L => in_lanes::iterate::<_, L>(all, group, request, see));
+        }
     }
 }

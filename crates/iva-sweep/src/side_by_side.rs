@@ -38,10 +38,6 @@ pub(crate) fn run(
             Scene::Piva(it) => Some(&**it),
             _ => None,
         })?;
-        part.run(extremes, |scene| match scene {
-            Scene::DrivenPiva(it) => Some(&**it),
-            _ => None,
-        })?;
     }
     Ok(part.ended)
 }

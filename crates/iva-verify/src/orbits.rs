@@ -32,7 +32,7 @@ pub fn exact_orbit(
         (InDoubles::Siva(orbit), Scene::DrivenSiva(it)) => {
             exact(orbit, &it.system, cycle, cycles, cancel)
         }
-        (InDoubles::Piva(orbit), Scene::DrivenPiva(it)) => {
+        (InDoubles::Piva(orbit), Scene::Piva(it)) => {
             exact(orbit, &it.system, cycle, cycles, cancel)
         }
         _ => Err(lost),

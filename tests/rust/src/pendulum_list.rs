@@ -4,7 +4,7 @@ use iva_core::{
     absorber::Point,
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
-    host::UndrivenHost,
+    host::{DrivenHost, UndrivenHost},
     piva::{Angles, Given, Parameters, Piva, PivaStart},
     real::Real,
     simulate::Limits,
@@ -135,4 +135,9 @@ pub fn push<R: Real>(amplitude: f64, frequency: f64, acts: Acts) -> Force<R> {
 /// Those of a run of this length.
 pub fn limits<R: Real>(duration: f64) -> Limits<R> {
     Limits::new(duration.into(), R::from(0.3))
+}
+
+/// A pendulum on a structure that could be driven, but is not.
+pub fn still<R: Real>(piva: &Piva<UndrivenHost<R>>) -> Piva<DrivenHost<R>> {
+    piva.under(Force::harmonic(vec![]).unwrap())
 }

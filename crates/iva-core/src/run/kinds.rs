@@ -6,7 +6,7 @@ use super::decays::Decays;
 use super::forced::ForcedRuns;
 use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDriven};
 use super::group::{Group, grouped};
-use super::piva::Swinging;
+use super::piva::{Pushed, Still};
 use super::side_by_side::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
 use crate::absorber::OnStructure;
 use crate::absorber::piva::Piva;
@@ -14,7 +14,7 @@ use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
 use crate::error::Invalid;
 use crate::force::Force;
-use crate::host::{DrivenHost, Excitation, UndrivenHost};
+use crate::host::{DrivenHost, Excitation};
 use crate::measures::Wanted;
 use crate::measures::steady::SteadyWanted;
 
@@ -34,22 +34,22 @@ macro_rules! run_jobs {
 
 /// Runs code with the kind of lanes for pendulums like this one.
 macro_rules! with_steps {
-    ($piva:expr, $host:ty, $lanes:ident => $body:expr) => {{
+    ($piva:expr, $drive:ty, $lanes:ident => $body:expr) => {{
         use $crate::run::piva::Steps;
         use $crate::segment::taylor::{Equations, ORDER, with_order};
-        let piva: &$crate::absorber::piva::Piva<$host> = $piva;
+        let piva: &$crate::absorber::piva::Piva<$crate::host::DrivenHost> = $piva;
         match piva.pendulum.equations() {
             Equations::Large => with_order!(piva.accuracy.order, N => {
-                type $lanes = Steps<$host, N, false, false>;
+                type $lanes = Steps<$drive, N, false, false>;
                 $body
             }),
             // The order of the others is always the highest.
             Equations::Small => {
-                type $lanes = Steps<$host, ORDER, true, false>;
+                type $lanes = Steps<$drive, ORDER, true, false>;
                 $body
             }
             Equations::Sprung => {
-                type $lanes = Steps<$host, ORDER, false, true>;
+                type $lanes = Steps<$drive, ORDER, false, true>;
                 $body
             }
         }
@@ -143,37 +143,22 @@ impl SideBySide for Siva<DrivenHost> {
     }
 }
 
-/// What pendulums that go side by side have in common, with the measures of a steady state that are wanted.
-fn swinging<H: Swinging>(piva: &Piva<H>, steady: SteadyWanted) -> [f64; 2] {
-    let Piva { pendulum, accuracy, .. } = piva;
-    let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-    let equations = 1000.0 * f64::from(pendulum.equations() as u8);
-    [accuracy.tolerance, equations + damped + 2.0 * f64::from(steady.bits())]
-}
-
-impl SideBySide for Piva {
-    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let decays = job.steady.is_none();
-        decays.then(|| swinging(&job.system, SteadyWanted::default()))
-    }
-
-    fn tier(job: &Job<Self>) -> Tier {
-        job.tier
-    }
-
-    run_jobs!();
-
-    fn run(group: Group<'_, Self>) {
-        with_steps!(group.leader(), UndrivenHost, L => group.run::<L>());
-    }
-}
+/// Part of the key of pendulums that something drives.
+const PUSHED: f64 = 500.0;
 
 impl SideBySide for Piva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
-        // Lanes record no strobes.
-        let fits = job.system.force().is_some_and(Force::is_single) && !wanted.strobes;
-        fits.then(|| swinging(&job.system, wanted))
+        let still = job.system.force().is_none_or(Force::is_none);
+        let single = job.system.force().is_some_and(Force::is_single);
+        // Lanes record no strobes, and without force no steady state.
+        let fits = if still { job.steady.is_none() } else { single && !wanted.strobes };
+        let Piva { pendulum, accuracy, .. } = &job.system;
+        let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
+        let equations = 1000.0 * f64::from(pendulum.equations() as u8);
+        let driven = if still { 0.0 } else { PUSHED };
+        let kind = equations + driven + damped + 2.0 * f64::from(wanted.bits());
+        fits.then_some([accuracy.tolerance, kind])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -183,6 +168,10 @@ impl SideBySide for Piva<DrivenHost> {
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        with_steps!(group.leader(), DrivenHost, L => group.run::<L>());
+        if group.leader().excitation().is_driven() {
+            with_steps!(group.leader(), Pushed, L => group.run::<L>());
+        } else {
+            with_steps!(group.leader(), Still, L => group.run::<L>());
+        }
     }
 }

@@ -70,7 +70,6 @@ macro_rules! observed {
 observed! {
     Siva<UndrivenHost>,
     Siva<DrivenHost>,
-    Piva<UndrivenHost>,
     Piva<DrivenHost>,
     Modal<DrivenHost>,
     FewModes<DrivenHost>,

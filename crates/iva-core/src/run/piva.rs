@@ -22,16 +22,16 @@ use crate::absorber::piva::step::Turning;
 use crate::absorber::piva::{Piva, PivaState, PivaStates};
 use crate::absorber::{Absorber, Clock, Start};
 use crate::engine::simulate::Run;
-use crate::host::Phase;
 use crate::host::oscillator::Primary;
+use crate::host::{DrivenHost, Moment};
 use crate::measures::forced::Forced;
 use crate::measures::peaks::Monotone;
 use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
-pub(crate) use drive::Swinging;
 use drive::{Laid, laid, raised};
+pub(crate) use drive::{Pushed, Still, Swinging};
 use lane::{Lane, Lanes};
 use round::{Rounds, Stages};
 use rows::Rows;
@@ -48,7 +48,7 @@ pub(crate) struct Steps<H: Swinging, const N: usize, const SMALL: bool, const SP
     /// The instants and states at the begin of the steps, if observers are to see them.
     begins: ([Clock; LANES], PivaStates<H::Instant, LANES>),
     /// The logs of decays; the impacts that observers have not been told yet.
-    logs: Vec<Stretches<Piva<H>>>,
+    logs: Vec<Stretches<Piva<DrivenHost>>>,
     struck: Vec<Vec<Impact>>,
     /// The scene and the state of a lane without a run.
     idle: (Scene, Laid<H>),
@@ -85,7 +85,7 @@ struct Shared {
 
 impl Shared {
     /// For runs of pendulums like this one of which nothing is measured.
-    fn of(piva: &Piva<impl Swinging>) -> Self {
+    fn of(piva: &Piva<DrivenHost>) -> Self {
         Self {
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,
@@ -110,7 +110,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
     Steps<H, N, SMALL, SPRUNG>
 {
     /// Idle lanes for pendulums like this one.
-    fn with(piva: &Piva<H>, shared: Shared) -> Self {
+    fn with(piva: &Piva<DrivenHost>, shared: Shared) -> Self {
         let scene = Scene::of(piva);
         let state = laid::<H>(&piva.begin(&Start::default().into()));
         let mut lanes = Self {
@@ -205,19 +205,19 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
     }
 
     /// Exchanges the log of a lane for that of its run.
-    fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
+    fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) {
         if let Some(log) = &mut run.observer.measures.stretches {
             std::mem::swap(&mut self.logs[i], log);
         }
     }
 }
 
-impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Lockstep<Piva<H>>
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Lockstep<Piva<DrivenHost>>
     for Steps<H, N, SMALL, SPRUNG>
 where
-    Piva<H>: SideBySide,
+    Piva<DrivenHost>: SideBySide,
 {
-    fn new(job: &Job<Piva<H>>, wanted: Wanted, listing: &Listing) -> Self {
+    fn new(job: &Job<Piva<DrivenHost>>, wanted: Wanted, listing: &Listing) -> Self {
         let steady = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let bare = Shared::of(&job.system);
         Self::with(
@@ -245,7 +245,7 @@ where
         self.leaves(i) || self.is_shown(i) || self.is_full(i)
     }
 
-    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) -> bool {
+    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) -> bool {
         if self.is_shown(i) {
             self.show(i, run);
         }
@@ -262,7 +262,7 @@ where
         !leaves
     }
 
-    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) -> bool {
+    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) -> bool {
         let takes = self.take_cycle(i, run, None);
         if takes {
             self.see(i, run);
@@ -271,7 +271,7 @@ where
         takes
     }
 
-    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
+    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) {
         self.tell(i, run);
         self.swap_logs(i, run);
         self.lanes.get(i).put_back_sums(run);
@@ -283,12 +283,12 @@ where
     }
 }
 
-impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling<Piva<H>>
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling<Piva<DrivenHost>>
     for Steps<H, N, SMALL, SPRUNG>
 {
     const WIDTH: usize = LANES;
 
-    fn cycling(leader: &Piva<H>) -> Self {
+    fn cycling(leader: &Piva<DrivenHost>) -> Self {
         Self::with(leader, Shared::of(leader))
     }
 
@@ -305,7 +305,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling
         self.lanes.stopped[i] > 0.0 && self.lanes.full[i] == 0.0
     }
 
-    fn shown(&self, i: usize, _system: &Piva<H>) -> PivaState<Phase<H>> {
+    fn shown(&self, i: usize, _system: &Piva<DrivenHost>) -> PivaState<Moment> {
         raised::<H>(&self.scenes.get(i), &self.lanes.state.get(i))
     }
 
@@ -316,15 +316,15 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling
     /// Lanes of pendulums compute no derivatives: trajectories that want them go one by one.
     fn listen(&mut self, _i: usize) {}
 
-    fn follow(&mut self, _i: usize, _system: &Piva<H>, _tangent: &mut Tangent) {}
+    fn follow(&mut self, _i: usize, _system: &Piva<DrivenHost>, _tangent: &mut Tangent) {}
 
     fn take_cycle<O>(
         &mut self,
         i: usize,
-        run: &Run<'_, Piva<H>, O>,
+        run: &Run<'_, Piva<DrivenHost>, O>,
         _forced: Option<&Forced>,
     ) -> bool {
-        let lane = Lane::of(run);
+        let lane = Lane::of::<H, _>(run);
         if let Some(lane) = &lane {
             self.scenes.set(i, &Scene::of(run.system));
             self.lanes.set(i, lane);
@@ -332,11 +332,11 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling
         lane.is_some()
     }
 
-    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Piva<H>, O>) {
+    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Piva<DrivenHost>, O>) {
         self.lanes.get(i).put_back::<H, O>(&self.scenes.get(i), run);
     }
 
-    fn repeat(&mut self, i: usize, from: &Loaded<'_, Piva<H>>) -> bool {
+    fn repeat(&mut self, i: usize, from: &Loaded<'_, Piva<DrivenHost>>) -> bool {
         let Primary { x, v } = from.state.primary;
         let goes_on = from.state.distance.value > 0.0 && (x + v + from.state.w).value.is_finite();
         if goes_on {

@@ -123,7 +123,7 @@ impl Family {
             Scene::DrivenSiva(Mounted { system, start, .. }) => {
                 Member::Siva(Box::new(Trajectory::new(system, &start, cycle)?))
             }
-            Scene::DrivenPiva(mounted) => {
+            Scene::Piva(mounted) => {
                 let Mounted { system, start, .. } = *mounted;
                 Member::Piva(Box::new(Trajectory::new(system, &start, cycle)?))
             }

@@ -232,12 +232,8 @@ impl<R: Real> Given<'_, R> {
                 }
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
-                if Scene::undriven(&force) {
-                    Ok(Scene::Piva(Box::new(Mounted { system, start, gravity })))
-                } else {
-                    let system = system.under(force);
-                    Ok(Scene::DrivenPiva(Box::new(Mounted { system, start, gravity })))
-                }
+                let system = system.under(force);
+                Ok(Scene::Piva(Box::new(Mounted { system, start, gravity })))
             }
             Kind::None => modal::on_primary(self, start, force, scale, units),
         }

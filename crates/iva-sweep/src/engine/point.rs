@@ -282,7 +282,6 @@ observes_any! {
     Siva<DrivenHost<R>>,
     Modal<DrivenHost<R>>,
     FewModes<DrivenHost<R>>,
-    Piva<UndrivenHost<R>>,
     Piva<DrivenHost<R>>,
 }
 

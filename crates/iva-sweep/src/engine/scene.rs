@@ -28,10 +28,8 @@ pub enum Scene<R: Real = f64> {
     Siva(Mounted<Siva<UndrivenHost<R>>>),
     /// A free mass under force, or with gravity along its motion.
     DrivenSiva(Mounted<Siva<DrivenHost<R>>>),
-    /// A pendulum in free decay.
-    Piva(Box<Mounted<Piva<UndrivenHost<R>>>>),
-    /// A pendulum under force.
-    DrivenPiva(Box<Mounted<Piva<DrivenHost<R>>>>),
+    /// A pendulum, under force or in free decay.
+    Piva(Box<Mounted<Piva<DrivenHost<R>>>>),
     /// Any free masses and pendulums on any structure, with any terms; or none. Under force or in free decay.
     Modal(Box<Mounted<Modal<DrivenHost<R>>>>),
     /// The same with few masses and modes, in doubles.
@@ -49,8 +47,7 @@ macro_rules! with_system {
         match $scene {
             Scene::Siva($mounted) if Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenSiva($mounted) => $body,
-            Scene::Piva($mounted) if Scene::<R>::UNDRIVEN => $body,
-            Scene::DrivenPiva($mounted) => $body,
+            Scene::Piva($mounted) => $body,
             Scene::Modal($mounted) if EVERY_SCENE => $body,
             Scene::FewModes($mounted) if R::FAST_PATHS => $body,
             _ => unreachable!("scenes of this kind are not built"),
@@ -149,7 +146,6 @@ impl<R: Real> Scene<R> {
     pub fn pendulum(&self) -> Option<&piva::Parameters<R>> {
         match self {
             Scene::Piva(it) => Some(it.system.parameters()),
-            Scene::DrivenPiva(it) => Some(it.system.parameters()),
             _ => None,
         }
     }

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::absorber::{Absorber, Start};
 use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::host::DrivenHost;
 use iva_core::measures::Wanted;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::run::side_by_side::{self, Job, LANES, SideBySide, Tier};
@@ -17,6 +18,7 @@ use iva_core::siva::Siva;
 use iva_core::steady::{SteadyWanted, Window};
 use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
+use iva_tests::pendulum_list::still;
 use proptest::prelude::*;
 
 use crate::side_by_side::{alone, alone_wanting, together, together_wanting};
@@ -47,7 +49,7 @@ fn grid() -> Vec<Job<Siva>> {
 
 /// Pendulums that reach their walls often, rarely or never, with hard and soft walls, with and without pivot
 /// damping.
-fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
+fn pendulums(tolerance: f64) -> Vec<Job<Piva<DrivenHost>>> {
     let mut scenes = Vec::new();
     for (zeta, zeta_p) in [(0.0, 0.0), (0.02, 0.0), (0.02, 0.05), (1.2, 0.0)] {
         for clearance in [0.05, 0.4, 0.8, 1.4, 1.95, 3.0] {
@@ -60,7 +62,7 @@ fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
                 };
                 scenes.push(Job {
                     begin: 0.0,
-                    system: Piva::new(parameters).unwrap(),
+                    system: still(&Piva::new(parameters).unwrap()),
                     start: Start { displacement: 1.0, ..Start::default() }.into(),
                     limits: Limits::new(15.0 * TAU, clearance),
                     steady: None,
@@ -95,12 +97,13 @@ fn pendulums_are_the_same_side_by_side() {
         for (scene, found) in scenes.iter().zip(&found) {
             assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
         }
-        let backwards: Vec<Job<Piva>> = scenes.iter().rev().cloned().collect();
+        let backwards: Vec<Job<Piva<DrivenHost>>> = scenes.iter().rev().cloned().collect();
         assert!(together(&backwards).iter().rev().eq(&found));
     }
     let mut linear = pendulums(0.0);
     for Job { system, .. } in &mut linear {
-        *system = Piva::new(Parameters { angles: Angles::Small, ..*system.parameters() }).unwrap();
+        let small = Parameters { angles: Angles::Small, ..*system.parameters() };
+        *system = still(&Piva::new(small).unwrap());
     }
     for (scene, found) in linear.iter().zip(&together(&linear)) {
         assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
@@ -110,13 +113,14 @@ fn pendulums_are_the_same_side_by_side() {
 #[test]
 fn pendulums_of_many_kinds_keep_apart() {
     // Different tolerances and small angles: these cannot all share lanes.
-    let mut scenes: Vec<Job<Piva>> = [0.0, 1e-9]
+    let mut scenes: Vec<Job<Piva<DrivenHost>>> = [0.0, 1e-9]
         .into_iter()
         .flat_map(|tolerance| pendulums(tolerance).into_iter().step_by(5))
         .collect();
     for (i, scene) in scenes.iter_mut().enumerate() {
         let angles = if i % 4 == 1 { Angles::Small } else { Angles::Large };
-        scene.system = Piva::new(Parameters { angles, ..*scene.system.parameters() }).unwrap();
+        let parameters = Parameters { angles, ..*scene.system.parameters() };
+        scene.system = still(&Piva::new(parameters).unwrap());
         let (max_impacts, max_work) =
             ([3, 10, 10_000_000][i % 3], [23, 1000, 100_000_000][i / 3 % 3]);
         let duration = [0.5, TAU, 2.0 * TAU, 2.0 * TAU + 1e-15, 9.0, 100.0][i % 6];
@@ -132,9 +136,10 @@ fn pendulums_of_many_kinds_keep_apart() {
     // Two in three under a force, the others on a structure that could have one.
     let push = Harmonic { amplitude: 0.1, frequency: 0.9, phase: 0.2, acts: Acts::Primary };
     let forces = [vec![push], vec![]].map(|harmonics| Force::harmonic(harmonics).unwrap());
-    let under = |(i, job): (usize, &Job<Piva>)| {
+    let under = |(i, job): (usize, &Job<Piva<DrivenHost>>)| {
         let Job { begin, start, limits, steady, tier, .. } = *job;
-        let system = job.system.under(forces[i % 3 / 2].clone());
+        let piva = Piva::new(*job.system.parameters()).unwrap();
+        let system = piva.under(forces[i % 3 / 2].clone());
         Job { system, begin, start, limits, steady, tier }
     };
     let driven: Vec<_> = scenes.iter().enumerate().map(under).collect();
@@ -296,10 +301,10 @@ proptest! {
         all in prop::collection::vec((compound(), any_case(1.0, 60.0), -3.1..3.1), 3 * LANES),
         tolerance in prop_oneof![2 => Just(0.0), 1 => Just(1e-9), 1 => Just(1e-6)],
     ) {
-        let scenes: Vec<Job<Piva>> = all
+        let scenes: Vec<Job<Piva<DrivenHost>>> = all
             .iter()
             .map(|(parameters, case, angle)| {
-                let system = Piva::new(Parameters { tolerance, ..*parameters }).unwrap();
+                let system = still(&Piva::new(Parameters { tolerance, ..*parameters }).unwrap());
                 let start = PivaStart::from(Start {
                     gap_displacement: case.start.gap_displacement / case.clearance,
                     ..case.start

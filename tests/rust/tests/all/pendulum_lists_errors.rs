@@ -116,7 +116,7 @@ fn varied(scene: &Scene, variable: usize, by: Twofold) -> Starts<Twofold> {
     match variable {
         0 => x += by,
         1 => v += by,
-        _ if variable % 2 == 0 => gaps[variable / 2 - 1].y += by,
+        _ if variable.is_multiple_of(2) => gaps[variable / 2 - 1].y += by,
         _ => gaps[variable / 2 - 1].w += by,
     }
     begun(Point { x, v }, &gaps)

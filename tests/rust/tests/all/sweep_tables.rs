@@ -349,7 +349,6 @@ fn work_of(study: &Study) -> u64 {
         Scene::Modal(it) => tally(&it.system, &it.start, &design.limits),
         Scene::FewModes(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Piva(it) => tally(&it.system, &it.start, &design.limits),
-        Scene::DrivenPiva(it) => tally(&it.system, &it.start, &design.limits),
     }
 }
 

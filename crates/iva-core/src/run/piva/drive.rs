@@ -1,22 +1,22 @@
-//! What drives pendulums in lanes: nothing, or one harmonic force.
+//! What drives pendulums in lanes: nothing, or one harmonic force. Their structure is one that could be driven.
 
 use super::scene::Scene;
 use crate::absorber::Clock;
 use crate::absorber::piva::PivaState;
 use crate::force::{Push, Smooth};
-use crate::host::{DrivenHost, Host, Moment, Phase, UndrivenHost};
+use crate::host::Moment;
 use crate::number::arrays::Laned;
 
-/// A host whose pendulums go in lanes.
-pub(crate) trait Swinging: Host<Real = f64> {
+/// What drives the pendulums of some lanes.
+pub(crate) trait Swinging {
     /// True if a force acts.
     const DRIVEN: bool;
     /// What a lane carries of the state of the drive: its instant, from which the force follows.
     type Instant: Laned;
     /// The instant of a state of the drive.
-    fn instant(phase: &Phase<Self>) -> Self::Instant;
+    fn instant(phase: &Moment) -> Self::Instant;
     /// The state of the drive at an instant with this force.
-    fn phase(scene: &Scene, instant: Self::Instant, push: &Push) -> Phase<Self>;
+    fn phase(scene: &Scene, instant: Self::Instant, push: &Push) -> Moment;
     /// A later instant.
     fn later(instant: Self::Instant, h: f64) -> Self::Instant;
     /// The force at an instant.
@@ -25,15 +25,25 @@ pub(crate) trait Swinging: Host<Real = f64> {
     fn plain_push(scene: &Scene, instant: Self::Instant) -> Push;
 }
 
-impl Swinging for UndrivenHost {
+/// Nothing: the instant does not matter.
+#[derive(Debug)]
+pub(crate) struct Still;
+
+/// A harmonic force.
+#[derive(Debug)]
+pub(crate) struct Pushed;
+
+impl Swinging for Still {
     const DRIVEN: bool = false;
     type Instant = ();
 
     #[inline(always)]
-    fn instant(_phase: &()) {}
+    fn instant(_phase: &Moment) {}
 
     #[inline(always)]
-    fn phase(_scene: &Scene, _instant: (), _push: &Push) {}
+    fn phase(scene: &Scene, _instant: (), push: &Push) -> Moment {
+        Moment { time: Clock::ZERO, kicks: 0, smooth: Smooth::ALL, pushes: scene.pushes(push) }
+    }
 
     #[inline(always)]
     fn later(_instant: (), _h: f64) {}
@@ -49,7 +59,7 @@ impl Swinging for UndrivenHost {
     }
 }
 
-impl Swinging for DrivenHost {
+impl Swinging for Pushed {
     const DRIVEN: bool = true;
     type Instant = Clock;
 
@@ -84,20 +94,20 @@ pub(super) type Laid<H> = PivaState<<H as Swinging>::Instant>;
 
 /// The state of a pendulum, for a lane.
 #[inline(always)]
-pub(super) fn laid<H: Swinging>(state: &PivaState<Phase<H>>) -> Laid<H> {
+pub(super) fn laid<H: Swinging>(state: &PivaState<Moment>) -> Laid<H> {
     state.with_phase(H::instant(&state.phase))
 }
 
 /// The state of a pendulum in a lane, for the event loop.
 #[inline(always)]
-pub(super) fn raised<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Phase<H>> {
+pub(super) fn raised<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Moment> {
     let push = H::push(scene, state.phase);
     state.with_phase(H::phase(scene, state.phase, &push))
 }
 
 /// The same for observers, with the force to the accuracy of plain numbers.
 #[inline(always)]
-pub(super) fn seen<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Phase<H>> {
+pub(super) fn seen<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Moment> {
     let push = H::plain_push(scene, state.phase);
     state.with_phase(H::phase(scene, state.phase, &push))
 }

@@ -6,6 +6,7 @@ use crate::absorber::piva::{PARTS, Piva, PivaState};
 use crate::engine::counts::Counted;
 use crate::engine::progress::Progress;
 use crate::engine::simulate::Run;
+use crate::host::DrivenHost;
 use crate::measures::Ledger;
 use crate::measures::steady::{Quiet, Steady};
 use crate::number::arrays::{Laned, laned};
@@ -52,7 +53,7 @@ laned!(
 
 impl<P: Laned> Lane<P> {
     /// The lane of a run in flight; `None` if the event loop has to go on with the run.
-    pub fn of<H: Swinging<Instant = P>, O>(run: &Run<'_, Piva<H>, O>) -> Option<Self> {
+    pub fn of<H: Swinging<Instant = P>, O>(run: &Run<'_, Piva<DrivenHost>, O>) -> Option<Self> {
         let state = || laid::<H>(&run.tally.state);
         run.is_for_lanes().then(|| Self::at(run.progress, &state()))
     }
@@ -107,7 +108,7 @@ impl<P: Laned> Lane<P> {
     pub fn put_back<H: Swinging<Instant = P>, O>(
         &self,
         scene: &Scene,
-        run: &mut Run<'_, Piva<H>, O>,
+        run: &mut Run<'_, Piva<DrivenHost>, O>,
     ) {
         run.progress = self.progress;
         run.tally.state = raised::<H>(scene, &self.state);
@@ -117,13 +118,13 @@ impl<P: Laned> Lane<P> {
     }
 
     /// Reads the sums of the measures of a run, and the steps that they need not see.
-    pub fn see<H: Swinging>(&mut self, run: &ScalarRun<'_, Piva<H>>) {
+    pub fn see(&mut self, run: &ScalarRun<'_, Piva<DrivenHost>>) {
         self.ledger = run.observer.measures.ledger;
         self.quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
     }
 
     /// Writes the sums of its measures back into the run.
-    pub fn put_back_sums<H: Swinging>(&self, run: &mut ScalarRun<'_, Piva<H>>) {
+    pub fn put_back_sums(&self, run: &mut ScalarRun<'_, Piva<DrivenHost>>) {
         run.observer.measures.ledger = self.ledger;
         if let Some(steady) = &mut run.observer.steady {
             steady.take_square(&self.quiet);

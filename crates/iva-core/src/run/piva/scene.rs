@@ -5,6 +5,7 @@ use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
 use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
+use crate::host::{DrivenHost, Excitation as _};
 use crate::number::arrays::{Laned, laned};
 use crate::number::real::pick;
 use crate::segment::taylor::{ORDER, Pendulum, Series, unrolled};
@@ -43,7 +44,7 @@ laned!(
 );
 
 impl Scene {
-    pub fn of(piva: &Piva<impl Swinging>) -> Self {
+    pub fn of(piva: &Piva<DrivenHost>) -> Self {
         let pendulum = piva.pendulum;
         let still = Harmonic { amplitude: 0.0, frequency: 0.0, phase: 0.0, acts: Acts::Primary };
         let Harmonic { amplitude, frequency, phase, .. } =

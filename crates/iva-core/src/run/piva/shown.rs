@@ -6,6 +6,7 @@ use super::round::Round;
 use crate::absorber::piva::{Known, Piva, PivaFlight};
 use crate::absorber::{Absorber, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
+use crate::host::DrivenHost;
 use crate::number::arrays::Lanes as _;
 use crate::run::side_by_side::ScalarRun;
 use crate::segment::flight::Motion;
@@ -21,7 +22,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
 
     /// Shows the observers of a run the step that its lane has done: those beside its measures only, if the step is
     /// quiet.
-    pub(super) fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
+    pub(super) fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) {
         let (round, system): (Round<_>, _) = (self.rounds.get(i), run.system);
         let scene = self.scenes.get(i);
         let own = round.hit.then(|| self.struck[i].pop()).flatten();
@@ -54,14 +55,14 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
     }
 
     /// Reads sums and quiet steps of a run whose observers have seen a step.
-    pub(super) fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva<H>>) {
+    pub(super) fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva<DrivenHost>>) {
         let mut lane = self.lanes.get(i);
         lane.see(run);
         self.lanes.set(i, &lane);
     }
 
     /// Tells the observers of a run of the impacts that they have not been told yet.
-    pub(super) fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
+    pub(super) fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<DrivenHost>>) {
         for impact in self.struck[i].drain(..) {
             run.observer.impact(run.system, &impact);
         }
