@@ -1,6 +1,5 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`modal`], free
-//! masses, each in a gap of its own at a point of a structure of any number of modes, with springs, dashpots, gravity and friction of each;
-//! [`mixed`], a list of free masses and pendulums.
+//! masses and pendulums, each in a gap of its own at a point of a structure of any number of modes, with springs, dashpots, gravity and friction of each.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.

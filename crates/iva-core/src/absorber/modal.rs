@@ -1,4 +1,4 @@
-//! Free masses on a structure with several modes, each in a gap of its own at a point of the structure.
+//! Free masses and pendulums on a structure with several modes, each in a gap of its own at a point of the structure.
 //!
 //! ```text
 //! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = Σₚ φⱼ(p) fₚ(t) − Γⱼ a_g + Σₖ φⱼ(pₖ) (kₖ yₖ + cₖ ẏₖ + μₖ Gₖ),
@@ -14,6 +14,7 @@
 //! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
 //! | kₖ, cₖ | spring and dashpot between mass and point | [`Tie`], [`Modal::with_ties`] |
 //! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
+//! | y = b sinθ | a pendulum at a point | [`Modal::with_pendulums`], `modal/pendulum.rs` |
 //! | Rₖ, Rₛₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ; the largest at rest | [`Modal::with_friction`], [`Modal::with_static_friction`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
@@ -46,7 +47,7 @@
 //! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
 //! structure at the point of its mass.
 //!
-//! A structure that moves as one: `modal/oscillation.rs`. Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
+//! Pendulums: `modal/pendulum.rs`; their series with those of the modes: `modal/swings.rs`; how long these hold: `modal/swinging.rs`. A structure that moves as one: `modal/oscillation.rs`. Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
 //! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
 
 use std::sync::{Arc, OnceLock};
@@ -125,7 +126,7 @@ pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
 /// The event loop takes the work of an impulse from the velocity of the point that it sees.
 const KICKED: &str = "impulses act at the point that a run sees: let both be the same";
 
-/// Free masses on a structure with several modes: N masses and M modes at most, with masses that are tied among the modes.
+/// Free masses and pendulums on a structure with several modes: N of them and M modes at most, with masses that are tied among the modes.
 #[derive(Debug, Clone)]
 pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     /// The structure as given.
