@@ -127,19 +127,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         std::array::from_fn(|k| if k < self.count() { of(k) } else { None })
     }
 
-    /// The energy that an impact of a member takes with a restitution e, as its point gains a velocity.
-    fn lost(&self, k: usize, place: &Place<R>, e: R, gained: DoubleDouble<R>) -> R {
+    /// The energy that an impact of a member takes with a restitution e in a blow.
+    fn lost(&self, k: usize, place: &Place<R>, e: R, impulses: &[DoubleDouble<R>; N]) -> R {
         let w = Self::gap_velocity(place);
-        let (lever, inertia) = match self.hanging(k) {
-            None => (R::ONE, DoubleDouble::new(R::ONE)),
+        let impulse = match self.hanging(k) {
+            None => impulses[k].value,
             Some(is) => {
                 let own = DoubleDouble::new(is.inertia_ratio).times(is.lever).times(is.coupling);
-                (is.lever, own / self.follows_precisely(k, place))
+                let turned = DoubleDouble::new(R::ONE).plus(e) * w * own;
+                // Of a heavy pendulum these two nearly cancel.
+                let opposed =
+                    turned / self.follows_precisely(k, place) - self.pushed_by(k, impulses);
+                opposed.value * is.lever * is.mass_ratio
             }
         };
-        // Of a heavy absorber these two nearly cancel.
-        let opposed = DoubleDouble::new(R::ONE).plus(e) * w * inertia - gained;
-        let impulse = opposed.value * lever * self.masses[k].mass_ratio;
         impulse * 0.5 * ((R::ONE - e) * w.value)
     }
 
@@ -268,7 +269,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             gap_velocity_before: w,
             gap_velocity_after: -e * w,
             lever: self.lever(k),
-            energy_loss: self.lost(k, &place, e, self.pushed_by(k, &blow.impulses)),
+            energy_loss: self.lost(k, &place, e, &blow.impulses),
         };
         (after, impact)
     }
@@ -290,6 +291,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         let zero = DoubleDouble::ZERO;
         after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
         self.settle(&mut after);
-        (after, self.lost(k, &place, R::ZERO, self.pushed_by(k, &blow.impulses)))
+        (after, self.lost(k, &place, R::ZERO, &blow.impulses))
     }
 }
