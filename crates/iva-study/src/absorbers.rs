@@ -279,7 +279,6 @@ periods = 3
     #[test]
     #[allow(clippy::panic)]
     fn faults_of_a_table_are_told_at_their_places() {
-        let pendulum = ONE.replace("\"siva\"", "\"piva\"\nfrequency_ratio = 0.4\nlength = 10");
         for (text, from, to, place, told) in [
             (
                 ONE,
@@ -317,7 +316,6 @@ periods = 3
                 (11, 1),
                 "absorber.1.restitution_table is",
             ),
-            (&pendulum, "0.7]", "0.8]", (7, 21), "only a free mass (kind \"siva\") has it"),
         ] {
             let text = text.replacen(from, to, 1);
             let read = parse_study(Path::new("it.toml"), &text);

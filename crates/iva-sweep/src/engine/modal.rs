@@ -68,8 +68,10 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     let table = pendulums().find(|own| own.spec.restitution_table(own.absorber).is_some());
     let table = table.map(|own| (given.spec.table_path(own.absorber), 0.0));
     let on_pendulum = pendulums().find_map(|own| {
-        let given = |field: &F| Some((own.path(*field), own.spec.get_of(own.absorber, *field)?));
-        of_pendulum.iter().find_map(given)
+        of_pendulum.iter().find_map(|field| {
+            let value = own.spec.get_of(own.absorber, *field);
+            Some((own.path(*field), value.filter(|value| *value != 0.0)?))
+        })
     });
     ties::given(given).or(on_pendulum).or(table).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
