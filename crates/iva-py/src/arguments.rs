@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use iva_sweep::axis::Axis;
-use iva_sweep::choices::Choices;
+use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::cube::Method;
 use iva_sweep::design::Spec;
@@ -106,7 +106,9 @@ fn of_table(path: &str) -> Option<usize> {
 pub fn check_table(points: &[[f64; 2]], values: &[(String, f64)]) -> Result<(), Invalid> {
     let mut spec = Spec::default();
     for (name, value) in values {
-        if let Some(field) = FieldId::find(Part::Absorber, name) {
+        // What a table may contradict is of masses and pendulums.
+        let shared = |field: &FieldId| field.info().kinds.contains(&Kind::Siva);
+        if let Some(field) = FieldId::find(Part::Absorber, name).filter(shared) {
             spec.set(field, *value)?;
         }
     }

@@ -61,7 +61,8 @@ pub(crate) fn weight<R: Real>(
     let (sine, cosine) = R::precise_sincos(angle);
     let omega = scale.natural_frequency;
     let along = if angle.value == 0.0 { R::ZERO } else { sine.value * gravity / (omega * omega) };
-    let pressing = cosine.value * gravity / (omega * omega);
+    // Upright the cosine of an angle in degrees is a rounding error.
+    let pressing = cosine.value.max(0.0) * gravity / (omega * omega);
     let [friction, static_friction] = [coefficient, at_rest].map(|it| it.map(|it| it * pressing));
     Ok(Some(Weight { gravity, along, friction, static_friction }))
 }

@@ -28,7 +28,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
     }
 
-    /// True if no other mass can meet a wall or stop within a time in which its point gains such a velocity, and A so much per velocity.
+    /// True if no other mass can meet a wall, stop or slide off within a time in which its point gains such a velocity, and A so much per velocity.
     fn others_stay(
         &self,
         state: &ModalState<H, N, M>,
@@ -38,13 +38,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> bool {
         let (at_hand, flight) = (self.index(state.at_hand.into()), self.flight(state));
         (0..self.count()).filter(|k| *k != at_hand).all(|k| {
-            // Where another mass slides, stops may come as well.
-            if self.friction[k] != 0.0 {
+            let place = &state.places[k];
+            let Place { distance, rate, stuck, held, .. } = *place;
+            let kicked = kicked(k) * self.follows(k, place);
+            if held {
+                let left = self.static_friction[k] - self.shaken(state, k)[0].abs();
+                let fastest = growth.max(self.whole.growth() * 2.0);
+                return left > flight.most_jerked(k) * time + kicked * fastest;
+            }
+            let shaken = flight.most_shaken(k) + kicked * growth;
+            // A mass that slides goes on.
+            if self.friction[k] != 0.0 && rate.value.abs() <= kicked + shaken * time {
                 return false;
             }
-            let (Place { distance, rate, stuck, .. }, kicked) = (state.places[k], kicked(k));
-            let kicked = kicked * self.follows(k, &state.places[k]);
-            let shaken = flight.most_shaken(k) + kicked * growth;
             let travel = time * (rate.value.abs() + kicked + shaken * time);
             let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
             !stuck && near > travel && gap - near > travel

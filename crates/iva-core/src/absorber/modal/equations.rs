@@ -217,7 +217,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
         }
         let [f, a, gravity] = pushed.map(|push| T::of(push) * T::from_real(square));
-        for (k, pull) in pulls.iter().enumerate().filter(|(_, it)| m == 0 && it.value != 0.0) {
+        let pulled = if m == 0 { &pulls[..] } else { &[] };
+        for (k, pull) in pulled.iter().enumerate().filter(|(_, it)| it.value != 0.0) {
             let weight = gravity * T::of(pull.times(self.masses[k].mass_ratio));
             for (force, phi) in force.iter_mut().zip(self.gap_shape(k)) {
                 *force = *force + weight * T::from_real(*phi);

@@ -224,9 +224,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             let shaken = turned * is.mass_ratio * is.lever * self.mobility[k][k].value;
             pressure = (pressure + shaken).mul_add(self.follows(k, &at_wall), turned);
         }
-        // The bound on chatters by a power law is that of a mass.
-        let power = own.power.filter(|_| self.hanging(k).is_none());
-        LawAt { gain, pressure, power, ..own }
+        LawAt { gain, pressure, ..own }
     }
 
     fn impulse_at(&self, wall: Wall, approach: R) -> R {

@@ -185,6 +185,18 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
     }
 
+    /// A bound on the rate of A of a mass.
+    pub(super) fn most_jerked(&self, k: usize) -> R {
+        if self.swings {
+            return self.largest_of_series(self.curved(k), 3);
+        }
+        if let Some(it) = self.oscillation() {
+            return it.bound(2);
+        }
+        let followed = self.system.followed(k, &self.from.places[k]);
+        self.system.bound(self.derivatives(2), self.regime.stuck, followed, 2, self.reach)
+    }
+
     /// A bound on the derivative n − 1 of A of the absorber at hand, n > 1.
     #[inline(always)]
     pub(super) fn fourth_of(&self, n: usize) -> R {

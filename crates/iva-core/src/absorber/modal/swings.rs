@@ -33,6 +33,8 @@ pub(super) struct Grown<'a, R> {
 pub(super) struct Swing<'a, R, T, const LENGTH: usize> {
     /// Which of the members it is.
     pub index: usize,
+    /// φ of its point.
+    pub shape: &'a [R],
     pub series: Growing<'a, R, T, LENGTH>,
 }
 
@@ -94,8 +96,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if precise > 0 {
             self.rise(&mut rows, &mut begun, 0, pushes(0), &feed);
         }
-        let going_on = |Swing { index, series }: &Swing<'a, R, DoubleDouble<R>, SHORT>| Swing {
+        let going_on = |Swing { index, shape, series }: &Swing<'a, R, DoubleDouble<R>, SHORT>| Swing {
             index: *index,
+            shape,
             series: Growing::from_first(series, precise, |number| number.value),
         };
         let mut swings: Vec<Swing<'a, R, R, ROOM>> = begun.iter().map(going_on).collect();
@@ -127,7 +130,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let hanging = flying.filter_map(|index| {
             let is = self.hanging(index)?;
             let series = Growing::new(is, self.posture(index, is, &places[index]));
-            Some(Swing { index, series })
+            Some(Swing { index, shape: self.shape(index), series })
         });
         hanging.collect()
     }
@@ -146,9 +149,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (h, square) = (n(*unit), n(*unit * *unit));
         let over = n(R::ONE / *unit);
         let (mut force, felt) = self.forces::<T>(rows, m, &regime.pulls, (pushed, asides), *unit);
-        for Swing { index, series } in swings.iter_mut() {
+        for Swing { shape, series, .. } in swings.iter_mut() {
             let pull = series.prepare(m, (h, over)) * square;
-            for (force, phi) in force.iter_mut().zip(self.shape(*index)) {
+            for (force, phi) in force.iter_mut().zip(*shape) {
                 *force = *force - pull * n(*phi);
             }
         }
@@ -156,8 +159,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let each = T::reciprocal((m + 1) * (m + 2));
         rows.set(m + 2, |j| force[j] * each);
         let over_square = over * over;
-        for Swing { index, series } in swings.iter_mut() {
-            let felt = self.shape(*index).iter().zip(&force);
+        for Swing { shape, series, .. } in swings.iter_mut() {
+            let felt = shape.iter().zip(&force);
             let moved = felt.fold(n(R::ZERO), |sum, (phi, force)| *force * n(*phi) + sum);
             series.raise(m, moved.fused(over_square, T::of(pushed[1])), h);
         }

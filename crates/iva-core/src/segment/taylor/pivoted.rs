@@ -131,10 +131,10 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
     fn products(&self, k: usize) -> [T; 3] {
         let mut parts = [[T::from_real(R::ZERO); 4]; 3];
         let fours = k / 4 + 1;
-        let front = self.y.chunks_exact(4).zip(self.c_later.chunks_exact(4));
-        let w_back = self.w_back[Self::LAST - k..].chunks_exact(4);
-        let a_back = self.a_back[Self::LAST - k..].chunks_exact(4);
-        for (((y, c), w), a) in front.zip(w_back).zip(a_back).take(fours) {
+        let [y, c] = [&self.y, &self.c_later].map(|row| row.as_chunks::<4>().0);
+        let [w, a] =
+            [&self.w_back, &self.a_back].map(|row| row[Self::LAST - k..].as_chunks::<4>().0);
+        for (((y, c), w), a) in y.iter().zip(c).zip(w).zip(a).take(fours) {
             for i in 0..4 {
                 parts[0][i] = y[i].fused(w[i], parts[0][i]);
                 parts[1][i] = c[i].fused(w[i], parts[1][i]);

@@ -64,9 +64,9 @@ fn scene(
 
 /// The begin of series in plain numbers.
 fn plain<'a>(
-    Swing { index, series }: &Swing<'a, f64, DoubleDouble, LONG>,
+    Swing { index, shape, series }: &Swing<'a, f64, DoubleDouble, LONG>,
 ) -> Swing<'a, f64, f64, LONG> {
-    Swing { index: *index, series: Growing::from_first(series, 0, |number| number.value) }
+    Swing { index: *index, shape, series: Growing::from_first(series, 0, |number| number.value) }
 }
 
 /// No error exceeds its bound, which are not idle.
