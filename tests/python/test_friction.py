@@ -316,15 +316,6 @@ def test_errors_and_gradients_know_the_friction_at_rest() -> None:
     [
         (
             lambda: iva.simulate(
-                [siva(), iva.Piva(mass=5.0, restitution=0.6, clearance=0.01, length=0.3)],
-                PRIMARY,
-                start=START,
-                periods=1,
-            ),
-            r"absorber.1.kind = \"piva\": .* all of a list in which one has .*friction",
-        ),
-        (
-            lambda: iva.simulate(
                 iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.5, friction=0.1),
                 iva.Primary(),
                 start=iva.Start(displacement=1.0),

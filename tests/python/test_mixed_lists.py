@@ -278,14 +278,6 @@ def test_estimates_cover_the_errors_that_a_verification_finds() -> None:
         ),
         (
             [
-                iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.5, gap_damping_ratio=0.1),
-                PIVA,
-            ],
-            {},
-            ("absorber.1.kind", "dashpot"),
-        ),
-        (
-            [
                 SIVA,
                 iva.Piva(
                     mass_ratio=0.1,

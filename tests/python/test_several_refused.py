@@ -15,7 +15,6 @@ import iva
 SIVA = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5)
 NARROW = iva.Siva(mass_ratio=0.05, clearance=0.2, restitution=0.8)
 PIVA = iva.Piva(mass_ratio=0.1, clearance=0.5, restitution=0.5, frequency_ratio=0.4, length=5.0)
-RISING = iva.Siva(mass_ratio=0.05, clearance=0.2, restitution=0.8, inclination=0.5, gravity=0.2)
 TWO = [SIVA, NARROW]
 
 
@@ -156,11 +155,6 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
         lambda: sweep({"clearance": [0.1], "absorber.1.clearance": [0.3]}),
         ValueError,
         ("absorber.1.clearance", "sweep.clearance"),
-    ),
-    "a line that rises beside a pendulum": (
-        lambda: simulate([PIVA, RISING]),
-        ValueError,
-        ("absorber.0.kind", "inclination", "free masses"),
     ),
     "gravity on a level line": (
         lambda: simulate([SIVA, replace(NARROW, gravity=0.2)]),

@@ -320,15 +320,6 @@ def test_a_study_and_a_sweep_take_the_spring(tmp_path: Path) -> None:
             ),
             "spring_ratio",
         ),
-        (
-            lambda: iva.simulate(
-                [siva(), iva.Piva(mass=5.0, clearance=0.05, restitution=0.5, length=0.5)],
-                PRIMARY,
-                start=START,
-                periods=1,
-            ),
-            "absorber.1.kind",
-        ),
     ],
 )
 def test_what_does_not_fit_is_told(call: Any, told: str) -> None:

@@ -522,7 +522,11 @@ def test_frequencies_are_told_as_they_were_given() -> None:
     ("absorber", "more", "told"),
     [
         (iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.01), {}, r"give mass \(kg\)"),
-        (iva.Piva(mass=60.0, restitution=0.5, clearance=0.01, length=1.0), {}, "free masses"),
+        (
+            iva.Piva(mass=60.0, restitution=0.5, clearance=1.5, length=1.0),
+            {},
+            "absorber.clearance = 1.5: .* a pendulum must reach its stops",
+        ),
         (SIVA, {"force": iva.Harmonic(amplitude=1.0, frequency=7.0)}, r"give force \(N\)"),
         (SIVA, {"force": iva.Impulse(velocity=1.0)}, r"give impulse \(N s\)"),
         (

@@ -376,7 +376,9 @@ def refused(call: Callable[[], object], name: str) -> None:
 
 
 OF_ABSORBERS = [
-    field.name for field in dataclasses.fields(iva.Piva) if field.name not in iva.Piva._words
+    field.name
+    for field in dataclasses.fields(iva.Piva)
+    if field.name not in (*iva.Piva._words, *iva.Piva._tables)
 ]
 VALUES = {"tolerance": 1e-6, "gap_displacement": 0.0, "gap_velocity": 0.0, "angle": 0.0}
 

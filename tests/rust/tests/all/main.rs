@@ -47,6 +47,7 @@ mod orbit_description;
 mod oscillation;
 mod pendulum_lists;
 mod pendulum_lists_errors;
+mod pendulums_on_modes;
 mod periodic;
 mod piva;
 mod piva_flight;

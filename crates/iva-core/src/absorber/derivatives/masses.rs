@@ -130,7 +130,8 @@ impl LinearStructure {
         let flying = || (0..carried.len()).filter(|k| !carried[*k]);
         for k in flying() {
             let Pull { lever, inertia, swing, .. } = self.pulls[k];
-            let pull = lever / self.lightness[k];
+            // A mass that is a coordinate pulls by the matrices.
+            let pull = if self.lightness[k] > 0.0 { lever / self.lightness[k] } else { 0.0 };
             let [y, w] = self.of(k);
             for (column, by) in [(y, pull * swing[0] - inertia[1] * felt[k]), (w, pull * swing[1])]
             {

@@ -211,12 +211,17 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
             let own = linear.stiffness[(j, j)] * q + linear.damping[(j, j)].abs() * v;
             sizes[n + j] = own + driven + pulled.sum::<f64>();
         }
-        for (k, is) in self.swinging(&state.places) {
+        for k in (0..self.count()).filter(|k| !carried[*k]) {
             let [_, w] = place(n, k);
             let shape = linear.shapes[k].iter().enumerate();
             let shaken = shape.map(|(j, phi)| phi.abs() * sizes[n + j]).sum::<f64>();
-            let own = self.pulling(k, is, &state.places[k]) / (is.mass_ratio * is.lever);
-            sizes[w] = linear.pulls[k].follows[0] * (shaken + driven) + own;
+            let own = self.hanging(k).map_or(0.0, |is| {
+                self.pulling(k, is, &state.places[k]) / (is.mass_ratio * is.lever)
+            });
+            // The relative error of cos²θ is larger than that of y, from which it is computed.
+            let [follows, _] = linear.pulls[k].follows;
+            let steep = self.hanging(k).map_or(1.0, |is| is.coupling / follows);
+            sizes[w] = steep * (follows * (shaken + driven) + own);
         }
         Some(sizes)
     }

@@ -96,11 +96,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if precise > 0 {
             self.rise(&mut rows, &mut begun, 0, pushes(0), &feed);
         }
-        let going_on = |Swing { index, shape, series }: &Swing<'a, R, DoubleDouble<R>, SHORT>| Swing {
-            index: *index,
-            shape,
-            series: Growing::from_first(series, precise, |number| number.value),
-        };
+        let going_on =
+            |Swing { index, shape, series }: &Swing<'a, R, DoubleDouble<R>, SHORT>| Swing {
+                index: *index,
+                shape,
+                series: Growing::from_first(series, precise, |number| number.value),
+            };
         let mut swings: Vec<Swing<'a, R, R, ROOM>> = begun.iter().map(going_on).collect();
         for m in precise..=order - 2 {
             self.rise(&mut rows, &mut swings, m, pushes(m), &feed);
