@@ -101,8 +101,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let structure = (0..self.count()).fold(R::larger(moved, driven), pulled) * tolerance;
         let gaps = || grown.swings.iter().map(|swing| self.masses[swing.index].clearance);
         let growth = self.whole.growth();
-        let rate = self.swinging_rate(&from.places);
-        let (mut fastest, mut most) = (R::larger(rate, growth), most);
+        let rate = R::larger(self.swinging_rate(&from.places), growth);
+        let (mut fastest, mut most) = (rate, most);
         for _ in 0..MOST_HALVINGS {
             let left_out = self.host.force();
             let left_out = left_out.map_or([R::ZERO; 2], |it| it.left_out::<LAST>(unit * most));
@@ -110,7 +110,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let shaking = Shaking { growth, forces, base: left_out[1] };
             let bound = RemainderOfSeveral::new(&flying, &shaking, fastest, (unit, most));
             if let Some(bound) = bound {
-                let allowed = gaps().map(|gap| gap * tolerance);
+                // That of W is what the rates of the system allow, whatever rate the bound counts with.
+                let allowed = gaps().map(|gap| gap * tolerance * (rate / fastest));
                 let whole = bound.excess(std::iter::once(structure).chain(allowed));
                 let mut share = bound.most() * shortening(whole, LAST + 1);
                 for _ in 0..MOST_SHORTENINGS {

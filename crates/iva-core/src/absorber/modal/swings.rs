@@ -10,7 +10,7 @@ use super::{Modal, ModalState};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::{Growing, ORDER, ROOM};
+use crate::segment::taylor::{Growing, ROOM};
 
 /// Number of coefficients of the gap of a pendulum that are to twice the precision.
 pub(super) const FIRST: usize = 3;
@@ -24,8 +24,8 @@ pub(super) struct Grown<'a, R> {
     pub rows: ModalSeries<R>,
     /// Those of the pendulums in flight.
     pub swings: Vec<Swing<'a, R, R, ROOM>>,
-    /// The first coefficients of y of each.
-    firsts: Vec<[DoubleDouble<R>; FIRST]>,
+    /// Of each y₂ to twice the precision, and the highest coefficient of y, which asks for no acceleration.
+    gaps: Vec<(DoubleDouble<R>, R)>,
 }
 
 /// The power series of a pendulum in flight.
@@ -43,11 +43,13 @@ impl<R: Real> Grown<'_, R> {
     #[inline(always)]
     pub(super) fn swung(&self, k: usize, order: usize) -> Option<Series<R>> {
         let at = self.swings.iter().position(|swing| swing.index == k)?;
-        let mut curved = Series::ZERO;
-        curved.set(2, -self.firsts[at][2]);
-        for m in FIRST..=order {
+        let (mut curved, (second, last)) = (Series::ZERO, self.gaps[at]);
+        for m in FIRST..order {
             curved.set(m, DoubleDouble::new(-self.swings[at].series.y[m]));
         }
+        // Without it the gap velocity would end an order before W does.
+        curved.set(order, DoubleDouble::new(-last));
+        curved.set(2, -second);
         Some(curved)
     }
 }
@@ -73,7 +75,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> Grown<'a, R> {
         if !self.swings() {
             let rows = self.series(&state.modes, regime, (pushes, asides), unit, orders);
-            return Grown { rows, swings: vec![], firsts: vec![] };
+            return Grown { rows, swings: vec![], gaps: vec![] };
         }
         self.grown_swinging(state, regime, (&pushes, asides), unit, orders)
     }
@@ -106,20 +108,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for m in precise..=order - 2 {
             self.rise(&mut rows, &mut swings, m, pushes(m), &feed);
         }
-        // One more order of y asks for no acceleration; the bound on what is left out knows none.
-        for Swing { series, .. } in swings.iter_mut().filter(|_| order < ORDER) {
-            series.y[order] = series.ahead(order - 1, unit);
-        }
-        let first =
-            |(first, swing): (&Swing<'a, R, DoubleDouble<R>, SHORT>, &Swing<'a, R, R, ROOM>)| {
-                let (y, plain) = (&first.series.y, &swing.series.y);
-                match precise {
-                    0 => [0, 1, 2].map(|m| DoubleDouble::new(plain[m])),
-                    _ => [y[0], y[1], first.series.ahead(1, DoubleDouble::new(unit))],
-                }
+        let gap = |(first, swing): (&Swing<'a, R, _, SHORT>, &Swing<'a, R, R, ROOM>)| {
+            let series = &swing.series;
+            let second = match precise {
+                0 => DoubleDouble::new(if order > 2 { series.y[2] } else { R::ZERO }),
+                _ => first.series.ahead(1, DoubleDouble::new(unit)),
             };
-        let firsts = begun.iter().zip(&swings).map(first).collect();
-        Grown { rows, swings, firsts }
+            let last = series.ahead(order - 1, unit);
+            (if order == 2 && precise == 0 { DoubleDouble::new(last) } else { second }, last)
+        };
+        let gaps = begun.iter().zip(&swings).map(gap).collect();
+        Grown { rows, swings, gaps }
     }
 
     /// All pendulums that swing at the begin of their series.

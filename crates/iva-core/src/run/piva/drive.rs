@@ -25,7 +25,7 @@ pub(crate) trait Swinging {
     fn plain_push(scene: &Scene, instant: Self::Instant) -> Push;
 }
 
-/// Nothing: the instant does not matter.
+/// Nothing.
 #[derive(Debug)]
 pub(crate) struct Still;
 
@@ -35,26 +35,30 @@ pub(crate) struct Pushed;
 
 impl Swinging for Still {
     const DRIVEN: bool = false;
-    type Instant = ();
+    type Instant = Clock;
 
     #[inline(always)]
-    fn instant(_phase: &Moment) {}
-
-    #[inline(always)]
-    fn phase(scene: &Scene, _instant: (), push: &Push) -> Moment {
-        Moment { time: Clock::ZERO, kicks: 0, smooth: Smooth::ALL, pushes: scene.pushes(push) }
+    fn instant(phase: &Moment) -> Clock {
+        phase.time
     }
 
     #[inline(always)]
-    fn later(_instant: (), _h: f64) {}
+    fn phase(scene: &Scene, time: Clock, push: &Push) -> Moment {
+        Moment { time, kicks: 0, smooth: Smooth::ALL, pushes: scene.pushes(push) }
+    }
 
     #[inline(always)]
-    fn push(_scene: &Scene, _instant: ()) -> Push {
+    fn later(time: Clock, h: f64) -> Clock {
+        time.plus(h)
+    }
+
+    #[inline(always)]
+    fn push(_scene: &Scene, _time: Clock) -> Push {
         Push::NONE
     }
 
     #[inline(always)]
-    fn plain_push(_scene: &Scene, _instant: ()) -> Push {
+    fn plain_push(_scene: &Scene, _time: Clock) -> Push {
         Push::NONE
     }
 }
