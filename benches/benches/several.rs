@@ -90,7 +90,7 @@ fn modes(criterion: &mut Criterion) -> Result<(), Invalid> {
         let masses = masses(count)?;
         let at: Vec<_> = masses.into_iter().zip(POINTS).collect();
         let system = Modal::of(structure(modes)?, &at)?;
-        let start = ModalStart::new(&[1.0], &[], [rest; 8])?;
+        let start = ModalStart::new(&[1.0], &[], [rest; MOST])?;
         run(criterion, (&format!("{modes} modes, decay"), count), &system, &start)?;
     }
     Ok(())
@@ -130,7 +130,7 @@ fn dashpot(criterion: &mut Criterion) -> Result<(), Invalid> {
         let structure = structure.with_point("primary", &[1.0])?;
         let masses = [(FreeMass::new(MASS_RATIO, RESTITUTION, 0.6)?, "primary")];
         let system = Modal::of(structure, &masses)?.with_ties(&[Tie { spring: 0.0, damping }])?;
-        let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; 8])?;
+        let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; MOST])?;
         run(criterion, (&format!("dashpot {damping}, decay"), 1), &system, &start)?;
         let driven = system.under(push()?, "primary")?;
         run(criterion, (&format!("dashpot {damping}, driven"), 1), &driven, &start)?;
@@ -144,7 +144,7 @@ fn friction(criterion: &mut Criterion) -> Result<(), Invalid> {
     let structure = structure.with_point("primary", &[1.0])?;
     let masses = [(FreeMass::new(MASS_RATIO, RESTITUTION, 0.6)?, "primary")];
     let system = Modal::of(structure, &masses)?.with_friction(&[0.02])?;
-    let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; 8])?;
+    let start = ModalStart::new(&[1.0], &[], [GapPoint { y: 0.0, w: 0.0 }; MOST])?;
     run(criterion, ("friction, driven", 1), &system.under(push()?, "primary")?, &start)
 }
 

@@ -377,7 +377,7 @@ class Siva(Part):
     contact_stiffness : float, optional
         Stiffness of a stop in N/m, from which that time is estimated; SI units only.
     units : float, optional
-        Number of equal units that share the mass, 1 to 8, each in a gap of its own; 1 by default.
+        Number of equal units that share the mass, 1 to 64, each in a gap of its own; 1 by default.
         Tables number them in their column ``absorber``.
     clearance_spread : float, optional
         How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
@@ -520,7 +520,7 @@ class Piva(Part):
     contact_stiffness : float, optional
         Stiffness of a stop in N/m, from which that time is estimated; SI units only.
     units : float, optional
-        Number of equal units that share the mass, 1 to 8, each between stops of its own; 1 by
+        Number of equal units that share the mass, 1 to 64, each between stops of its own; 1 by
         default. Tables number them in their column ``absorber``.
     clearance_spread : float, optional
         How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below

@@ -386,7 +386,7 @@ def simulate(
     Parameters
     ----------
     absorber : Siva, Piva, a list of them, or None
-        The absorber: a free mass, or a pendulum. Of a list, up to eight of either kind, all are on
+        The absorber: a free mass, or a pendulum. Of a list, up to 64 of either kind, all are on
         the structure; tables number them from 0 in their column ``absorber``. Or ``None``: the
         structure alone. Then the start has no gap and no angle, and there is neither
         `chatter_floor` nor `tolerance`.

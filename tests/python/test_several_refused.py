@@ -32,7 +32,7 @@ def sweep(over: dict[str, Any], absorbers: Any = TWO, **start: Any) -> iva.Table
 CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] = {
     "an empty list": (lambda: simulate([]), ValueError, ("absorber = []", "iva.Siva")),
     "an empty tuple": (lambda: simulate(()), ValueError, ("absorber = ()", "iva.Siva")),
-    "nine": (lambda: simulate([SIVA] * 9), ValueError, ("absorber", "9", "1 to 8")),
+    "too many": (lambda: simulate([SIVA] * 65), ValueError, ("absorber", "65", "1 to 64")),
     "none in it": (lambda: simulate([SIVA, None]), TypeError, ("absorber[1]", "None", "iva.Siva")),
     "only none": (lambda: simulate([None]), TypeError, ("absorber[0]", "None", "iva.Siva")),
     "a number in it": (

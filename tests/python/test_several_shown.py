@@ -194,8 +194,8 @@ def test_units_in_gaps_all_alike_are_one_mass() -> None:
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ({"units": 9}, "absorber.units = 9: give a whole number from 1 to 8"),
-        ({"units": 2.5}, "absorber.units = 2.5: give a whole number from 1 to 8"),
+        ({"units": 65}, "absorber.units = 65: give a whole number from 1 to 64"),
+        ({"units": 2.5}, "absorber.units = 2.5: give a whole number from 1 to 64"),
         ({"units": 2, "clearance_spread": 1.0}, "the narrowest gap has no width"),
     ],
 )

@@ -71,6 +71,8 @@ pub struct Aboard {
 
 /// The state after some steps of a flight, and the time that they take.
 pub type Coasted<State, R = f64> = (State, Clock<R>);
+/// The number of steps of a coast, and what it ends in; `None` of none.
+pub type Coasts<State, R = f64> = Option<(usize, Coasted<State, R>)>;
 
 /// An absorber on its primary system.
 ///
@@ -180,13 +182,13 @@ pub trait Absorber: ImpactLaw {
     /// True if flights that begin at a wall coast too, before they are searched.
     const LEAPS: bool = false;
     /// How many steps (of one length, or pieces of a record) a flight is proved to go on without meeting a wall
-    /// within the time `remaining`; and the state after them, with the time that they take.
+    /// within the time `remaining`; and the state after them, with the time that they take. `None` of none.
     fn coasts(
         &self,
-        state: &Self::State,
+        _state: &Self::State,
         _remaining: Self::Real,
-    ) -> (usize, Coasted<Self::State, Self::Real>) {
-        (0, (*state, Clock::ZERO))
+    ) -> Coasts<Self::State, Self::Real> {
+        None
     }
     /// The state after some of these steps, and the time that they take.
     fn coasted(&self, state: &Self::State, _steps: usize) -> Coasted<Self::State, Self::Real> {

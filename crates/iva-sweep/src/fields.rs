@@ -116,7 +116,7 @@ pub enum Allowed {
     PositiveInteger,
     /// A quotient of whole numbers from 1 to 8, at most 1.
     Exponent,
-    /// A number of units, from 1 to 8.
+    /// A number of units, from 1 to 64.
     Units,
     /// κ of a pendulum, at least 1.
     InertiaRatio,
@@ -172,7 +172,7 @@ impl Allowed {
             Allowed::Exponent => {
                 "a quotient of whole numbers from 1 to 8 that is at most 1, such as 0.2"
             }
-            Allowed::Units => "a whole number from 1 to 8",
+            Allowed::Units => "a whole number from 1 to 64",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
             Allowed::Inclination => "an angle in rad, from 0 (level) to π/2 (upright)",

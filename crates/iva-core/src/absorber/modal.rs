@@ -68,10 +68,10 @@ pub use state::{ModalState, Modes, Place};
 pub use structure::ModalStructure;
 pub use ties::Tie;
 
-use equations::{Regime, Stuck};
 use followed::Followed;
 use pendulum::Hanging;
 use propagator::Leaps;
+use regime::Sets;
 use ties::Tied;
 
 mod absorber;
@@ -93,6 +93,7 @@ mod on_structure;
 mod oscillation;
 mod pendulum;
 mod propagator;
+mod regime;
 mod series;
 mod sight;
 mod slides;
@@ -104,7 +105,9 @@ mod swings;
 mod ties;
 
 /// Largest number of absorbers.
-pub const MOST: usize = 8;
+pub const MOST: usize = 64;
+/// Largest number of masses on a structure that moves as one whose motion is known in closed form: what it carries is kept for each set of them.
+const MOST_OSCILLATING: usize = 8;
 /// Largest number of modes.
 pub const MOST_MODES: usize = 40;
 
@@ -143,8 +146,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     pushed: usize,
     /// What drives the structure; its oscillator is not used.
     host: H,
-    /// φ·φ of the points of two masses: the velocity at one per impulse at the other.
-    mobility: [[DoubleDouble<H::Real>; N]; N],
+    /// φ·φ of the points of two masses, row by row: the velocity at one per impulse at the other.
+    mobilities: Vec<DoubleDouble<H::Real>>,
     /// Of the masses that have a spring or a dashpot in their gap.
     tied: [Option<Tied<H::Real>>; N],
     /// Of the members that are pendulums.
@@ -157,8 +160,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     friction: [H::Real; N],
     /// The largest deceleration Rₛ ≥ R that friction gives each mass at rest.
     static_friction: [H::Real; N],
-    /// What a set of stuck or held masses needs, made when the set first is.
-    stuck: Vec<OnceLock<Stuck<H::Real>>>,
+    /// What sets of stuck or held masses need.
+    sets: Sets<H::Real>,
     /// True if the structure moves as one oscillator, whose motion the host knows (`modal/oscillation.rs`).
     oscillates: bool,
     /// The oscillator with a set of stuck or held masses, made when the set first is.
@@ -232,14 +235,14 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             seen: at[0],
             pushed: at[0],
             host,
-            mobility: [[DoubleDouble::ZERO; N]; N],
+            mobilities: vec![],
             tied: std::array::from_fn(|_| None),
             pendulums: [None; N],
             swings: false,
             gravity: [R::ZERO; N],
             friction: [R::ZERO; N],
             static_friction: [R::ZERO; N],
-            stuck: vec![],
+            sets: Sets::new(),
             oscillates: false,
             carrying: vec![],
             reach: R::ZERO,
@@ -301,14 +304,14 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             seen: self.seen,
             pushed,
             host,
-            mobility: self.mobility,
+            mobilities: vec![],
             tied: self.tied.clone(),
             pendulums: self.pendulums,
             swings: self.swings,
             gravity: self.gravity,
             friction: self.friction,
             static_friction: self.static_friction,
-            stuck: vec![],
+            sets: Sets::new(),
             oscillates: false,
             carrying: vec![],
             reach: R::ZERO,
@@ -344,18 +347,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
-        let used = |k: usize| if k < self.count() { self.gap_shape(k) } else { &[] };
-        let shapes: [&[R]; N] = std::array::from_fn(used);
-        let mobility = shapes.map(|k| shapes.map(|l| mobility(k, l)));
+        let all = 0..self.count();
+        let of = |k: usize| all.clone().map(move |l| (k, l));
+        let mobilities = all.clone().flat_map(of);
+        let shape = |k: usize| self.gap_shape(k);
+        self.mobilities = mobilities.map(|(k, l)| mobility(shape(k), shape(l))).collect();
         let drive = self.host.force().map_or(R::ZERO, Force::fastest);
-        self.mobility = mobility;
-        self.stuck = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
+        self.sets = Sets::new();
         self.swings = self.pendulums.iter().any(Option::is_some);
         let linear = self.tied.iter().all(Option::is_none) && !self.swings;
         let untied = linear && self.whole.moves_as_one();
         let alone = self.host.force().is_none_or(|force| force.elsewhere().is_empty());
-        self.oscillates = untied && alone && (self.is_level() || !self.host.moves_base());
-        self.carrying = (0..1_usize << self.count()).map(|_| OnceLock::new()).collect();
+        let few = self.count() <= MOST_OSCILLATING;
+        self.oscillates = untied && alone && few && (self.is_level() || !self.host.moves_base());
+        let sets = if self.oscillates { 1_usize << self.count() } else { 0 };
+        self.carrying = (0..sets).map(|_| OnceLock::new()).collect();
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
         self
@@ -442,14 +448,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         (k, &self.masses[k], state.places[k])
     }
 
-    /// What the equations of the modes are while the masses have these places.
-    fn regime(&self, places: &[Place<R>; N]) -> Regime<'_, R, N> {
-        let carried = |k: &usize| places[*k].carried();
-        let set: usize = (0..self.count()).filter(carried).map(|k| 1 << k).sum();
-        let over = |k: usize| (set >> k & 1 == 1).then(|| self.lightness(k));
-        let made = || self.stuck_set(&std::array::from_fn(over));
-        let pulls = std::array::from_fn(|k| self.pull(k, &places[k]));
-        Regime { stuck: self.stuck[set].get_or_init(made), pulls }
+    /// φ·φ of the points of two masses.
+    #[inline(always)]
+    fn mobility(&self, k: usize, l: usize) -> DoubleDouble<R> {
+        self.mobilities[k * self.count() + l]
     }
 
     /// The mass ratio of all masses together.

@@ -12,7 +12,7 @@ use crate::absorber::impact;
 use crate::absorber::plain::Scene;
 use crate::absorber::restitution::RestitutionLaw;
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::{Absorber, Clock, Coasted, Start, Wall};
+use crate::absorber::{Absorber, Clock, Coasted, Coasts, Start, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -244,15 +244,15 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         Ride::new(self, *state)
     }
 
-    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
+    fn coasts(&self, state: &Self::State, remaining: R) -> Coasts<Self::State, R> {
         if let Some(pieces) = self.host.pieces() {
-            return self.drifts(pieces, state, remaining);
+            return Some(self.drifts(pieces, state, remaining)).filter(|(count, _)| *count > 0);
         }
-        let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
+        let steps = self.host.steps()?;
         let smooth = self.host.smooth_for(&state.host.phase);
         let within = [1.0 / self.mass.clearance.double(), remaining.min(smooth).double()];
         let count = coasts::count(steps, &state.in_doubles(), within) as usize;
-        (count, self.coasted(state, count))
+        (count > 0).then(|| (count, self.coasted(state, count)))
     }
 
     fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {

@@ -39,8 +39,9 @@ pub struct Design<R: Real = f64> {
     pub limits: Limits<R>,
     /// The instant at which the run begins, in 1/ωn.
     pub begin: R,
-    /// What is known of the contacts of each absorber; `None` if neither contact time nor contact stiffness is given.
-    pub contacts: [Option<Contact<R>>; MOST_ABSORBERS],
+    /// What is known of the contacts of each absorber, `None` of one of which neither contact time nor contact stiffness is given; empty if
+    /// nothing is known of any.
+    pub contacts: Vec<Option<Contact<R>>>,
     /// The window of the steady state.
     pub window: Window<R>,
     /// Factors from natural units to the user's.
@@ -98,10 +99,12 @@ impl<R: Real> Given<'_, R> {
         }
         let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
-        let mut contacts = [None; MOST_ABSORBERS];
-        let owners = self.spec.owners().enumerate();
-        for ((place, owner), contact) in owners.zip(&mut contacts) {
-            *contact = self.of(owner).contact((&scene, place), &scale, units)?;
+        let mut contacts = vec![];
+        for (place, owner) in self.spec.owners().enumerate() {
+            if let Some(contact) = self.of(owner).contact((&scene, place), &scale, units)? {
+                contacts.resize(place, None);
+                contacts.push(Some(contact));
+            }
         }
         let clearance = scene.clearance();
         let limits = Limits {

@@ -125,7 +125,7 @@ fn every_step_of_a_coast_is_shown() {
     let system = system(&frequencies, 50.0);
     let start = ModalStart::new(&[0.0; 3], &[1.0; 3], [GapPoint { y: 0.0, w: -3.0 }]).unwrap();
     let begun = system.begin(&start);
-    let (steps, (_, time)) = system.coasts(&begun, duration);
+    let (steps, (_, time)) = system.coasts(&begun, duration).expect("a coast");
     assert!(steps > 1 && time.value > 1.0, "{steps} {time:?}");
     let mut shown = Shown { frequencies: &frequencies, spans: 0, shown: 0.0, off: 0.0 };
     let tally = simulate(&system, &start, &Limits::new(duration, 1e-9), None, &mut shown).unwrap();

@@ -4,7 +4,7 @@ use super::state::Place;
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
 use crate::absorber::impact::{self, Impact};
-use crate::absorber::{Aboard, Absorber, Angle, Clock, Coasted, OnStructure as _, Wall};
+use crate::absorber::{Aboard, Absorber, Angle, Clock, Coasted, Coasts, OnStructure as _, Wall};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
@@ -125,7 +125,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         };
         let impulse = self.reduced(at_hand) * self.lever(at_hand) * 2.0 * gained;
         let kicked = |k: usize| {
-            let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
+            let both = self.mobility(k, k).value * self.mobility(at_hand, at_hand).value;
             impulse * both.sqrt()
         };
         self.others_stay(state, time, kicked, self.whole.growth() * 2.0)
@@ -185,7 +185,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
 
     const LEAPS: bool = true;
 
-    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
+    fn coasts(&self, state: &Self::State, remaining: R) -> Coasts<Self::State, R> {
         if !self.oscillates() {
             return self.leap(state, remaining);
         }
@@ -248,7 +248,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.move_on(&mut touching, later, &|k| k == at_hand);
         for (k, place) in touching.places[..self.count()].iter_mut().enumerate() {
             if k == at_hand {
-                *place = Place { distance: DoubleDouble::ZERO, shaken: place.shaken, ..met };
+                *place = Place { distance: DoubleDouble::ZERO, leaves: place.leaves, ..met };
             } else if !place.carried() {
                 let alike = self.masses[k].clearance * (R::EPSILON * ALIKE_ULPS);
                 let touches = |seen: Place<R>| {
@@ -295,12 +295,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             place.stuck &= !leaves;
         }
         for k in (0..N).filter(|k| leaves[*k]) {
-            after.places[k] = self.directed(k, &after.places[k]);
-        }
-        let shaken: [_; N] =
-            std::array::from_fn(|k| leaves[k].then(|| self.shaken_after(&after, k)));
-        for (place, shaken) in after.places.iter_mut().zip(shaken) {
-            place.shaken = shaken;
+            let directed = self.directed(k, &after.places[k]);
+            after.places[k] = Place { leaves: self.leaves_smoothly(k), ..directed };
         }
         self.settle(&mut after);
         (after, later)

@@ -1,6 +1,6 @@
 //! Bounds on what accelerates a mass, from the energies of derivatives ([`super`]).
 
-use super::equations::Stuck;
+use super::regime::Stuck;
 use super::{Followed, Modal, ModalState};
 use crate::force::{Force, Harmonic};
 use crate::host::Host;
@@ -87,11 +87,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let own = constant.value.abs() + self.gravity[k].abs() + self.static_friction[k];
         let mut sum = R::ZERO;
         for (l, is) in self.swinging(&state.places) {
-            sum += self.pulling(l, is, &state.places[l]) * self.mobility[k][l].value.abs();
+            sum += self.pulling(l, is, &state.places[l]) * self.mobility(k, l).value.abs();
         }
         for (l, mass) in self.masses().iter().enumerate() {
             let most = self.gravity[l].abs() + self.friction[l];
-            sum += mass.mass_ratio * most * self.mobility[k][l].value.abs();
+            sum += mass.mass_ratio * most * self.mobility(k, l).value.abs();
         }
         let growth = self.whole.growth();
         for (j, phi) in shape.iter().enumerate() {

@@ -12,11 +12,12 @@
 //! M′ ≥ μ φφᵀ.
 
 use super::drive::{Aside, Pushed};
+use super::regime::{Regime, Stuck};
 use super::series::{EXACT, ModalSeries, Series, Term, scaled};
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::swings::Grown;
-use super::{Followed, MOST, Modal, ModalState};
+use super::{Followed, Modal, ModalState};
 use crate::host::{Host, Structure as _};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -25,87 +26,7 @@ use crate::segment::taylor::{Number, ORDER};
 /// The longest motion in units of 1/Λ.
 pub(super) const LONGEST: f64 = 1.0;
 
-/// What the equations depend on beside the state: which masses move with their points, and which way the others slide.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Regime<'a, R, const N: usize> {
-    pub stuck: &'a Stuck<R>,
-    /// G of each mass, and s R of one that slides.
-    pub pulls: [DoubleDouble<R>; N],
-}
-
-/// What a set of stuck or held masses needs.
-#[derive(Debug, Clone)]
-pub(super) struct Stuck<R> {
-    /// Their indices.
-    pub masses: Vec<usize>,
-    /// (μ⁻¹ + ΦᵀΦ)⁻¹, row by row.
-    inverse: Vec<DoubleDouble<R>>,
-}
-
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// What stuck members and pendulums in flight need.
-    pub(super) fn fixed_at(&self, places: &[Place<R>; N]) -> Stuck<R> {
-        let of = |k: usize| self.inertia_over(k, &places[k], places[k].carried());
-        self.stuck_set(&std::array::from_fn(|k| if k < self.count() { of(k) } else { None }))
-    }
-
-    /// What members need whose inertias have these reciprocals, if they move with their points.
-    pub(super) fn stuck_set(&self, over: &[Option<DoubleDouble<R>>; N]) -> Stuck<R> {
-        let masses: Vec<usize> = (0..N).filter(|k| over[*k].is_some()).collect();
-        let count = masses.len();
-        let mut inverse = vec![DoubleDouble::ZERO; count * count];
-        for column in 0..count {
-            let mut unit = [DoubleDouble::ZERO; N];
-            unit[masses[column]] = DoubleDouble::new(R::ONE);
-            let solved = self.impulses(over, unit);
-            for (row, k) in masses.iter().enumerate() {
-                inverse[row * count + column] = solved[*k];
-            }
-        }
-        Stuck { masses, inverse }
-    }
-
-    /// Solves (μ⁻¹ + ΦᵀΦ) P = rhs for the members that are included with a reciprocal 1/μ, by Gauss's elimination: the matrix is symmetric and
-    /// positive definite. The others have no impulse.
-    pub(super) fn impulses(
-        &self,
-        over: &[Option<DoubleDouble<R>>; N],
-        rhs: [DoubleDouble<R>; N],
-    ) -> [DoubleDouble<R>; N] {
-        let (mut masses, mut count) = ([0; N], 0);
-        for k in (0..self.count()).filter(|k| over[*k].is_some()) {
-            masses[count] = k;
-            count += 1;
-        }
-        let masses = &masses[..count];
-        let mut impulses = [DoubleDouble::ZERO; N];
-        let over = |k: usize| over[k].unwrap_or(DoubleDouble::ZERO);
-        if let [k] = *masses {
-            impulses[k] = rhs[k] / (self.mobility[k][k] + over(k));
-            return impulses;
-        }
-        let (mut a, mut b) = (self.mobility, rhs);
-        for k in masses {
-            a[*k][*k] = a[*k][*k] + over(*k);
-        }
-        for (p, pivot) in masses.iter().enumerate() {
-            let (above, right) = (a[*pivot], b[*pivot]);
-            for i in &masses[p + 1..] {
-                let share = a[*i][*pivot] / above[*pivot];
-                for j in &masses[p..] {
-                    a[*i][*j] = a[*i][*j] - share * above[*j];
-                }
-                b[*i] = b[*i] - share * right;
-            }
-        }
-        for (p, pivot) in masses.iter().enumerate().rev() {
-            let known = masses[p + 1..].iter();
-            let left = known.fold(b[*pivot], |left, j| left - a[*pivot][*j] * impulses[*j]);
-            impulses[*pivot] = left / a[*pivot][*pivot];
-        }
-        impulses
-    }
-
     /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two);
     /// so many of them to twice the precision, [`EXACT`](super::series::EXACT) at most. No pendulum swings.
     #[inline(always)]
@@ -271,7 +192,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
             return;
         }
-        let mut load = [zero; MOST];
+        let mut load = [zero; N];
         for (load, k) in load.iter_mut().zip(&stuck.masses) {
             let felt = self.gap_shape(*k).iter().zip(&*force);
             let fallen = || a + gravity * T::from_real(self.gravity[*k]);
@@ -324,15 +245,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// point, with gravity and the spring.
     #[inline]
     pub(super) fn shaken(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
-        state.places[k].shaken.unwrap_or_else(|| self.shaken_now(state, k))
+        state.felt_by(k).unwrap_or_else(|| self.shaken_now(state, k))
     }
 
     /// The same, computed. In many places, so that one copy of it is enough.
     #[inline(never)]
     fn shaken_now(&self, state: &ModalState<H, N, M>, k: usize) -> [R; 4] {
         let place = &state.places[k];
+        let exact = |[a, jerk, snap, crackle]: [R; 4]| {
+            [if place.leaves { R::ZERO } else { a }, jerk, snap, crackle]
+        };
         if let Some(it) = self.oscillating(state) {
-            return self.shaken_by(&it, self.pull(k, place));
+            return exact(it.felt(self.pull(k, place)));
         }
         let pushes = self.pushes(&state.phase, R::ONE);
         // Of a mass in flight that does not rub A and its rate are enough.
@@ -342,7 +266,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let feed = (&pushes, asides.as_slice());
         let grown = self.grown(state, &regime, feed, R::ONE, (order, 3));
         let curved = self.curved(&grown, (k, place), |m| pushes(m)[1], (R::ONE, order));
-        [(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f)
+        exact([(2, 2.0), (3, 6.0), (4, 24.0), (5, 120.0)].map(|(m, f)| curved.plain(m) * f))
     }
 
     /// −s A: the pressure on its wall per unit mass, if a mass is stuck.
@@ -395,15 +319,5 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let place = &mut state.places[k];
             *place = place.moved(time, curves[k]);
         }
-    }
-
-    /// The velocity at the point of a mass that impulses on the structure at those of others give it.
-    pub(super) fn pushed_by(&self, k: usize, impulses: &[DoubleDouble<R>; N]) -> DoubleDouble<R> {
-        if self.oscillates() {
-            // All points move as one.
-            return impulses.iter().fold(DoubleDouble::ZERO, |sum, impulse| sum + *impulse);
-        }
-        let both = self.mobility[k].iter().zip(impulses);
-        both.fold(DoubleDouble::ZERO, |sum, (mobility, impulse)| sum + *mobility * *impulse)
     }
 }

@@ -1,6 +1,7 @@
 //! What the event loop, searches and observers ask of a motion.
 
 use super::losses::{at_nodes, mean};
+use super::state::Felt;
 use super::{ModalMotion, ModalState, Place, wall_of};
 use crate::absorber::{OnStructure, Wall};
 use crate::host::Host;
@@ -77,7 +78,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             } else if system.hanging(k).is_some() {
                 let [distance, rate, _] = self.approach(k, h);
                 let [distance, rate] = [distance, rate].map(DoubleDouble::new);
-                Place { distance, rate, shaken: None, ..*place }
+                Place { distance, rate, leaves: false, ..*place }
             } else {
                 let [mut u, mut v] = [R::ZERO; 2];
                 for (j, phi) in system.gap_shape(k).iter().enumerate() {
@@ -256,6 +257,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         let k = self.at_hand();
         let mut sample = self.from;
         sample.places[k] = self.place(k, h);
+        sample.felt = Some(Felt { of: k, shaken: self.felt(k, h) });
         sample
     }
 
@@ -263,7 +265,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
         let (k, begin) = self.begun();
         let place = &sample.places[k];
-        let shaken = self.shaken(place);
+        let shaken = self.system.shaken(sample, k);
         if begin.carried() {
             return self.carried_by(-begin.side, shaken);
         }

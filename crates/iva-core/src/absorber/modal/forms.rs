@@ -5,8 +5,8 @@
 
 use super::Modal;
 use super::columns::units;
-use super::equations::Regime;
 use super::propagator::Flown;
+use super::regime::Regime;
 use super::state::Place;
 use super::structure::Damping;
 use crate::host::Host;

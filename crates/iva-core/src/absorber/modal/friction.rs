@@ -9,6 +9,7 @@
 //! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
 //! at once ([`Modal::settle`]).
 
+use super::impact_law::MOST_CHANGED;
 use super::slides::{Slipping, Speed};
 use super::state::Place;
 use super::structure::same;
@@ -118,7 +119,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if !rests.contains(&true) {
             return;
         }
-        for _ in 0..4_usize << (2 * self.count()) {
+        for _ in 0..4_usize << (2 * self.count().min(MOST_CHANGED)) {
             let Some((k, sliding)) = (0..self.count())
                 .filter(|k| rests[*k])
                 .find_map(|k| self.broken(state, k).map(|sliding| (k, sliding)))
@@ -227,16 +228,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.move_on(&mut after, later, &|l| l == k);
         after.renew();
         (after.places[k].held, after.places[k].sliding) = (false, off);
-        after.places[k].shaken = Some(self.shaken_after(&after, k));
+        after.places[k].leaves = self.leaves_smoothly(k);
         self.settle(&mut after);
         Some((after, later))
     }
 
-    /// A and its derivatives as a mass begins to slide: without more friction at rest A is 0 there without rounding.
-    pub(super) fn shaken_after(&self, after: &ModalState<H, N, M>, k: usize) -> [R; 4] {
-        let [a, jerk, snap, crackle] = self.shaken(after, k);
-        let a = if self.static_friction[k] > self.friction[k] { a } else { R::ZERO };
-        [a, jerk, snap, crackle]
+    /// True if A is 0 without rounding as a mass begins to slide: there is no more friction at rest.
+    pub(super) fn leaves_smoothly(&self, k: usize) -> bool {
+        self.static_friction[k] <= self.friction[k]
     }
 
     /// Σ μ R |Δy| of all masses that slide between two states.

@@ -38,6 +38,9 @@ use crate::number::real::Real;
 /// A velocity in space below this, in units of 2⁻⁵² of the velocities that it is the sum of, is 0.
 const AT_REST_ULPS: f64 = 4.0;
 
+/// A search that goes through two to the power of so many sets of carried masses has gone in circles: one seldom goes through more than there are masses.
+pub(super) const MOST_CHANGED: usize = 12;
+
 /// Impulses at one instant, and which of the stuck masses stay stuck.
 #[derive(Debug, Clone, Copy)]
 struct Blow<R, const N: usize> {
@@ -81,7 +84,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         });
         let mut impulses = [DoubleDouble::ZERO; N];
         // No set comes twice; rounding could let two alternate that differ by nothing.
-        for _ in 0..2_usize << self.count() {
+        for _ in 0..2_usize << self.count().min(MOST_CHANGED) {
             let whole = |k: usize| struck[k].is_some() || carried[k];
             impulses = self.impulses(&self.moved_along(places, whole), rhs);
             let breaks = |k: &usize| {
@@ -201,7 +204,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             Some(_) => R::ZERO,
             None => R::ONE / self.masses[k].mass_ratio,
         };
-        R::ONE / (lightness + self.mobility[k][k].value)
+        R::ONE / (lightness + self.mobility(k, k).value)
     }
 
     /// φᵀ D φ at the point of a mass: by how much an impulse raises the pressure there.
@@ -221,7 +224,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         if let Some(is) = self.hanging(k) {
             let at_wall = self.at_wall(k, wall);
             let turned = is.pivot_damping * (R::ONE + own.restitution);
-            let shaken = turned * is.mass_ratio * is.lever * self.mobility[k][k].value;
+            let shaken = turned * is.mass_ratio * is.lever * self.mobility(k, k).value;
             pressure = (pressure + shaken).mul_add(self.follows(k, &at_wall), turned);
         }
         LawAt { gain, pressure, ..own }

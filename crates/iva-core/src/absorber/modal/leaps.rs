@@ -18,12 +18,12 @@
 //!
 //! Φ is made in `modal/propagator.rs`. Where the shortest leap proves nothing, a wall is near: the power series of [`super::ModalMotion`] finds the contact.
 
-use super::equations::Regime;
 use super::propagator::{Feed, Flown};
+use super::regime::Regime;
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Followed, Modal, ModalState};
-use crate::absorber::{Clock, Coasted};
+use crate::absorber::{Clock, Coasted, Coasts};
 use crate::force::Force;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
@@ -172,7 +172,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let free = self.regime(&[Place::FAR; N]).stuck;
         let bound = |k: usize, n: usize| {
             let of = |j: usize| [derivatives[n - 2][j], derivatives[n - 1][j]];
-            self.bound(of, free, self.followed(k, &state.places[k]), n, length)
+            self.bound(of, &free, self.followed(k, &state.places[k]), n, length)
         };
         let [mut thirds, mut fourths] = [[R::ZERO; N]; 2];
         for k in 0..self.count() {
@@ -203,19 +203,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         Sight { distance: [along(0), along(1)], sizes: [size(0), size(1)] }
     }
 
-    /// How many of the shortest leaps are proved to meet no wall, and the state after them.
+    /// How many of the shortest leaps are proved to meet no wall, and the state after them; `None` of none.
     pub(super) fn leap(
         &self,
         state: &ModalState<H, N, M>,
         remaining: R,
-    ) -> (usize, Coasted<ModalState<H, N, M>, R>) {
-        let none = (0, (*state, Clock::ZERO));
+    ) -> Coasts<ModalState<H, N, M>, R> {
         // Before all else, so that nothing of it is compiled for numbers that take every step.
         if !R::FAST_PATHS {
-            return none;
+            return None;
         }
         let carried = self.swings() || state.places[..self.count()].iter().any(Place::carried);
-        let Some(leaps) = self.leaps().filter(|_| !carried) else { return none };
+        let leaps = self.leaps().filter(|_| !carried)?;
         let (n, separate) = (self.whole.count(), self.whole.is_separate());
         // Begin and end of a leap, in turns.
         let mut flown = [Flown::of(&state.modes, n); 2];
@@ -283,11 +282,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             count += 1 << level;
             level = top.min(count.trailing_zeros() as usize);
         }
-        if count == 0 {
-            return none;
-        }
         let time = leaps.time(count);
-        (count, (self.landed(state, z, time), time))
+        (count > 0).then(|| (count, (self.landed(state, z, time), time)))
     }
 
     /// The state after some of the shortest leaps.
@@ -325,7 +321,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> ModalState<H, N, M> {
         let modes = z.modes(self.whole.count());
         let phase = self.host.waited(&from.phase, time);
-        let mut state = ModalState { modes, phase, ..*from };
+        let mut state = ModalState { modes, phase, felt: None, ..*from };
         for k in 0..self.count() {
             state.places[k] = self.place_after(from, k, (&modes, z.base), time);
         }
@@ -349,7 +345,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let fallen = time * self.falling(k, place);
         let curved = sided(u - (u0 + v0 * time) + (fallen * time).half());
         let distance = place.distance + place.rate * time + curved;
-        Place { distance, rate: place.rate + sided(v - v0 + fallen), shaken: None, ..*place }
+        Place { distance, rate: place.rate + sided(v - v0 + fallen), leaves: false, ..*place }
     }
 
     /// G + s R of a mass in flight that nothing ties to its point; of others it is in their coordinates.

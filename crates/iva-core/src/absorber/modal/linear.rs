@@ -75,7 +75,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     /// A state in which nothing moves, far from all walls.
     fn at_rest(&self) -> ModalState<H, N, M> {
         let phase = self.host.begin_at(Clock::ZERO);
-        ModalState { modes: Modes::REST, places: [Place::FAR; N], phase, at_hand: 0 }
+        ModalState { modes: Modes::REST, places: [Place::FAR; N], phase, at_hand: 0, felt: None }
     }
 
     /// The state with these members carried.

@@ -3,10 +3,10 @@
 use std::cell::OnceCell;
 
 use super::drive::Aside;
-use super::equations::Regime;
 use super::oscillation::{Oscillating, Oscillation};
+use super::regime::Regime;
 use super::series::{EXACT, ModalSeries, Series, scaled};
-use super::state::{Modes, Place};
+use super::state::{Felt, Modes, Place};
 use super::swings::{Grown, Swing};
 use super::{Modal, ModalState, SYSTEMS};
 use crate::absorber::Clock;
@@ -38,18 +38,18 @@ pub struct ModalMotion<'a, H: Host, const N: usize, const M: usize> {
     /// True if what the power series leave out is bounded.
     pub(super) sure: bool,
     /// The power series, once they were needed.
-    expansion: OnceCell<Box<Expansion<'a, H::Real, N>>>,
+    expansion: OnceCell<Box<Expansion<'a, H::Real>>>,
     /// x at the point that the run sees, once it was needed.
     seen: OnceCell<Series<H::Real>>,
 }
 
 /// The power series of a motion.
 #[derive(Debug, Clone)]
-struct Expansion<'a, R, const N: usize> {
+struct Expansion<'a, R> {
     /// Of modes and pendulums.
     grown: Grown<'a, R>,
     /// ∬A at the points of the masses for which it was needed.
-    curved: [OnceCell<Series<R>>; N],
+    curved: Vec<OnceCell<Series<R>>>,
     /// a_g in powers of t; empty where the base does not move.
     base: Vec<DoubleDouble<R>>,
     /// Harmonic forces at other points.
@@ -108,18 +108,19 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         }
     }
 
-    fn expansion(&self) -> &Expansion<'a, R, N> {
+    fn expansion(&self) -> &Expansion<'a, R> {
         self.expansion.get_or_init(|| Box::new(self.expanded()))
     }
 
-    fn expanded(&self) -> Expansion<'a, R, N> {
+    fn expanded(&self) -> Expansion<'a, R> {
         let pushes = self.system.pushes(&self.from.phase, self.unit);
         let asides = self.system.asides(&self.from.phase, self.unit, ORDER);
         let feed = (&pushes, asides.as_slice());
         let grown = self.system.grown(&self.from, &self.regime, feed, self.unit, (ORDER, EXACT));
         let powers = if self.system.host.moves_base() { ORDER + 1 } else { 0 };
         let base = (0..powers).map(|m| pushes(m)[1]).collect();
-        Expansion { grown, curved: [const { OnceCell::new() }; N], base, asides }
+        let curved = vec![OnceCell::new(); self.system.count().max(1)];
+        Expansion { grown, curved, base, asides }
     }
 
     /// a_g in powers of t, in plain numbers.
@@ -136,7 +137,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             let base = |m: usize| base.get(m).copied().unwrap_or(DoubleDouble::ZERO);
             let mut curved = self.system.curved(grown, (k, place), base, (self.unit, ORDER));
             // At a release the acceleration is set to 0 without rounding.
-            if place.leaves() {
+            if place.leaves {
                 curved.set(2, DoubleDouble::ZERO);
             }
             curved
@@ -182,7 +183,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         if let Some(it) = self.oscillation() {
             return it.bound(1) + followed.constant.value.abs();
         }
-        self.system.bound(self.derivatives(1), self.regime.stuck, followed, 1, self.reach)
+        self.system.bound(self.derivatives(1), &self.regime.stuck, followed, 1, self.reach)
     }
 
     /// A bound on the rate of A of a mass.
@@ -194,7 +195,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             return it.bound(2);
         }
         let followed = self.system.followed(k, &self.from.places[k]);
-        self.system.bound(self.derivatives(2), self.regime.stuck, followed, 2, self.reach)
+        self.system.bound(self.derivatives(2), &self.regime.stuck, followed, 2, self.reach)
     }
 
     /// A bound on the derivative n − 1 of A of the absorber at hand, n > 1.
@@ -208,7 +209,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             return self.largest_of_series(self.curved(k), n + 1);
         }
         let followed = self.system.followed(k, begin);
-        self.system.bound(self.derivatives(n), self.regime.stuck, followed, n, self.reach)
+        self.system.bound(self.derivatives(n), &self.regime.stuck, followed, n, self.reach)
     }
 
     /// The index of the absorber at hand.
@@ -235,21 +236,15 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         sum
     }
 
-    /// The place of a mass at h. Its accelerations are those that its curve needs.
+    /// The place of a mass at h.
     #[inline(always)]
     pub(super) fn place(&self, k: usize, h: R) -> Place<R> {
         if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, false).places[k];
         }
         let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));
-        let over = R::ONE / self.unit;
-        let square = over * over;
         if place.carried() {
-            let jerks = [curved.derivative::<3>(t), curved.derivative::<4>(t)];
-            let a = curved.derivative::<2>(t).value * square;
-            let [jerk, snap] = [jerks[0].value * over * square, jerks[1].value * square * square];
-            let crackle = curved.derivative::<5>(t).value * over * square * square;
-            return Place { shaken: Some([a, jerk, snap, crackle]), ..*place };
+            return *place;
         }
         let sided = |sum: DoubleDouble<R>| DoubleDouble {
             value: place.side * sum.value,
@@ -258,14 +253,31 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         let straight = place.rate.times(h);
         let [bent, gained] = curved.at(t);
         let distance = place.distance.plus_both(straight, sided(bent));
-        let rate = place.rate + sided(scaled(gained, over));
+        let rate = place.rate + sided(scaled(gained, R::ONE / self.unit));
+        Place { distance, rate, leaves: false, ..*place }
+    }
+
+    /// A of a mass and its derivatives at h, as many as its curve needs.
+    #[inline(always)]
+    pub(super) fn felt(&self, k: usize, h: R) -> [R; 4] {
+        if let Some(it) = self.oscillation() {
+            return it.felt(h, self.regime.pulls[k]);
+        }
+        let (curved, t, over) = (self.curved(k), self.share(h), R::ONE / self.unit);
+        let square = over * over;
+        let (cube, fourth) = (over * square, square * square);
+        if self.from.places[k].carried() {
+            let [a, jerk] = [curved.derivative::<2>(t).value, curved.derivative::<3>(t).value];
+            let [snap, crackle] =
+                [curved.derivative::<4>(t).value, curved.derivative::<5>(t).value];
+            return [a * square, jerk * cube, snap * fourth, crackle * over * fourth];
+        }
         let [a, jerk] = curved.bends(t);
         let snap = match self.system.friction[k] {
             friction if friction == 0.0 => R::ZERO,
-            _ => curved.derivative::<4>(t).value * square * square,
+            _ => curved.derivative::<4>(t).value * fourth,
         };
-        let shaken = Some([a * square, jerk * over * square, snap, R::ZERO]);
-        Place { distance, rate, shaken, ..*place }
+        [a * square, jerk * cube, snap, R::ZERO]
     }
 
     /// What is left of friction at rest before the absorber at hand, which is accelerated so, would go in a direction: of one that is stuck, off its
@@ -276,10 +288,10 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         Jet { value: value + held, rate, curvature, jerk }
     }
 
-    /// A and its derivatives that come with a place of the absorber at hand; those at the begin where none do.
-    pub(super) fn shaken(&self, place: &Place<R>) -> [R; 4] {
-        let begin = || self.place(self.at_hand(), R::ZERO).shaken;
-        place.shaken.or_else(begin).unwrap_or([R::NAN; 4])
+    /// A and its derivatives of the absorber at hand, at the begin.
+    pub(super) fn felt_first(&self) -> [R; 4] {
+        let k = self.at_hand();
+        self.from.felt_by(k).unwrap_or_else(|| self.felt(k, R::ZERO))
     }
 
     /// The state at h, at which the modes are these.
@@ -290,16 +302,19 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             let near = place.distance.value <= system.masses[k].clearance * NEAR
                 || system.friction[k] != 0.0;
             *place = if place.carried() {
-                self.place(k, h)
+                *place
             } else if near || system.host.moves_base() || system.hanging(k).is_some() {
                 // The series keeps the relative accuracy of a rebound or of a slide, however small it is.
-                Place { shaken: None, ..self.place(k, h) }
+                self.place(k, h)
             } else {
                 system.place_after(from, k, (&modes, [DoubleDouble::ZERO; 2]), Clock::new(h))
             };
         }
         let free = system.host.free();
         let phase = free.renewed(&free.within(&from.phase, h));
-        ModalState { modes, places, phase, at_hand: from.at_hand }
+        let k = self.at_hand();
+        let rides = places[k].carried() && system.count() > 0;
+        let felt = rides.then(|| Felt { of: k, shaken: self.felt(k, h) });
+        ModalState { modes, places, phase, at_hand: from.at_hand, felt }
     }
 }

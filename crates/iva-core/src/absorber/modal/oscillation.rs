@@ -5,10 +5,10 @@
 //! closed form where no force lasts, else one power series. Impacts, sticks, slides and the search for them are those of any
 //! other structure.
 
-use super::state::{Modes, Place};
+use super::state::{Felt, Modes, Place};
 use super::{Modal, ModalMotion, ModalState};
 use crate::absorber::siva::coasts;
-use crate::absorber::{Aboard, Clock, Coasted, OnStructure as _};
+use crate::absorber::{Aboard, Clock, Coasted, Coasts, OnStructure as _};
 use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -40,6 +40,13 @@ impl<'a, R: Real, H: Host<Real = R>> Oscillating<'a, H> {
         let a = acceleration.value;
         let [jerk, snap, crackle] = structure.derivatives(phase, primary.v.value, a);
         [a, jerk, snap, crackle]
+    }
+
+    /// A of a mass that is pulled so, and its derivatives.
+    #[inline(always)]
+    pub(super) fn felt(&self, pull: DoubleDouble<R>) -> [R; 4] {
+        let [_, jerk, snap, crackle] = Self::derivatives(self.structure, &self.state);
+        [(self.state.acceleration + pull).value, jerk, snap, crackle]
     }
 
     /// The structure at the end of a motion from here.
@@ -95,6 +102,14 @@ impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
     #[inline(always)]
     pub(super) fn ahead(&self, h: R) -> [R; 3] {
         self.begin.structure.ahead(&self.begin.state, &self.course, h)
+    }
+
+    /// A of a mass that is pulled so, and its derivatives.
+    pub(super) fn felt(&self, h: R, pull: DoubleDouble<R>) -> [R; 4] {
+        let flown = self.flown(h);
+        let [_, rest @ ..] = Oscillating::<H>::derivatives(self.begin.structure, &flown);
+        let [jerk, snap, crackle] = rest;
+        [(flown.acceleration + pull).value, jerk, snap, crackle]
     }
 
     /// The rate of A.
@@ -170,13 +185,12 @@ impl<R: Real, H: Host<Real = R>> Oscillation<'_, H> {
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
     /// The structure with the masses that it carries in a state.
     fn with_carried(&self, places: &[Place<R>; N]) -> &H::Structure {
-        let carried = |k: &usize| places[*k].carried();
-        let set: usize = (0..self.count()).filter(carried).map(|k| 1 << k).sum();
+        let set = self.carried_set(places);
         if set == 0 {
             return self.host.free();
         }
         let mass = || {
-            let carried = (0..self.count()).filter(carried);
+            let carried = (0..self.count()).filter(|k| set >> k & 1 == 1);
             carried.fold(R::ZERO, |sum, k| sum + self.masses[k].mass_ratio)
         };
         self.carrying[set].get_or_init(|| Box::new(self.host.carrying(mass()))).loaded()
@@ -194,7 +208,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for (k, place) in state.places[..self.count()].iter().enumerate() {
             let pull = self.pull(k, place);
             // At a release the acceleration is set to 0 without rounding.
-            if place.shaken.is_some_and(|shaken| shaken[0] == 0.0) {
+            if place.leaves {
                 released = Some(-pull);
             }
             if pull.value != 0.0 && !place.carried() {
@@ -205,17 +219,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (primary, phase) = (Primary { x, v }, state.phase);
         let acceleration = released.unwrap_or_else(|| structure.acceleration(&phase, &primary));
         Some(Oscillating { structure, state: HostState { primary, acceleration, phase }, middle })
-    }
-
-    /// As `Modal::shaken_now`, of a mass on an oscillator.
-    #[inline(always)]
-    pub(super) fn shaken_by(
-        &self,
-        Oscillating { structure, state, .. }: &Oscillating<'_, H>,
-        pull: DoubleDouble<R>,
-    ) -> [R; 4] {
-        let [_, jerk, snap, crackle] = Oscillating::<H>::derivatives(structure, state);
-        [(state.acceleration + pull).value, jerk, snap, crackle]
     }
 
     /// A short time later: the oscillator and its drive.
@@ -238,15 +241,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         pulls.into_iter().all(|pull| *pull == 0.0)
     }
 
-    /// As many steps in which no mass can meet a wall as all masses have, each alone.
+    /// As many steps in which no mass can meet a wall as all masses have, each alone; `None` of none.
     pub(super) fn steps_ahead(
         &self,
         state: &ModalState<H, N, M>,
         remaining: R,
-    ) -> (usize, Coasted<ModalState<H, N, M>, R>) {
+    ) -> Coasts<ModalState<H, N, M>, R> {
         let flies = !state.places[..self.count()].iter().any(Place::carried);
         let steps = self.host.steps().filter(|_| flies && self.count() > 0);
-        let Some(steps) = steps else { return (0, (*state, Clock::ZERO)) };
+        let steps = steps?;
         let primary = Primary { x: state.modes.places[0], v: state.modes.velocities[0] };
         let time = remaining.min(self.host.smooth_for(&state.phase)).double();
         let places = self.masses().iter().zip(&state.places);
@@ -254,9 +257,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let within = [1.0 / mass.clearance.double(), time];
             least.min(coasts::count(steps, &place.in_doubles(&primary), within))
         });
-        let coasted =
-            if count < 1.0 { (*state, Clock::ZERO) } else { self.stepped(state, count as usize) };
-        (count as usize, coasted)
+        (count >= 1.0).then(|| (count as usize, self.stepped(state, count as usize)))
     }
 
     /// The state after so many steps.
@@ -316,15 +317,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let mut modes = Modes::REST;
         modes.places[0] = to.primary.x + *middle;
         modes.velocities[0] = to.primary.v;
-        let mut after = ModalState { modes, places: self.from.places, phase: to.phase, at_hand };
+        let (places, phase) = (self.from.places, to.phase);
+        let mut after: ModalState<H, N, M> =
+            ModalState { modes, places, phase, at_hand, felt: None };
         let [a, jerk, snap, crackle] = Oscillating::<H>::derivatives(structure, &to);
         for (k, place) in after.places[..system.count()].iter_mut().enumerate() {
             let (pull, side) = (self.regime.pulls[k], place.side);
             let felt = if pull.value == 0.0 { a } else { (to.acceleration + pull).value };
-            place.shaken = Some([felt, jerk, snap, crackle]);
+            if k == usize::from(at_hand) {
+                after.felt = Some(Felt { of: k, shaken: [felt, jerk, snap, crackle] });
+            }
             if place.carried() {
                 continue;
             }
+            place.leaves = false;
             let [mut curved, mut faster] = [gained.curved, gained.velocity];
             if pull.value != 0.0 {
                 let fallen = pull.times(h);
@@ -350,6 +356,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let x = v.value.mul_add(h, x.value + of.begin.middle.value) + curved;
         after.modes.places[0] = DoubleDouble::new(x);
         after.modes.velocities[0] = DoubleDouble::new(v.value + faster);
+        after.felt = None;
         for k in 0..system.count() {
             let [distance, rate, _] = self.approached(k, h, [curved, faster, R::ZERO]);
             let [distance, rate] = [distance, rate].map(DoubleDouble::new);

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 
 use super::columns::{Column, Wave, column, turning, twice, units};
 use super::drive::{Aside, Pushed};
-use super::equations::Regime;
 use super::forms::Forms;
+use super::regime::Regime;
 use super::state::{Modes, Place};
 use crate::absorber::Clock;
 use crate::force::Acts;
@@ -325,7 +325,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
         }
         for k in (0..self.count()).filter(|k| self.gravity[*k] != 0.0 || self.friction[*k] != 0.0) {
-            let mut pulled = free;
+            let mut pulled = free.clone();
             pulled.pulls[k] = DoubleDouble::new(R::ONE);
             whole.falls[k] = column(&ends(&Modes::REST, &pulled, &still, &[]), n);
         }

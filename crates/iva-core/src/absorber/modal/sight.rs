@@ -18,11 +18,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             let friction = self.system.static_friction[k];
             let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
             return signs.into_iter().all(|sign| {
-                let carries = |place: &Place<R>| {
-                    let [a, jerk, ..] = self.shaken(place);
-                    [sign.mul_add(a, friction), sign * jerk]
-                };
-                let ends = [carries(from), carries(to)];
+                let carries = |[a, jerk, ..]: [R; 4]| [sign.mul_add(a, friction), sign * jerk];
+                let ends = [self.felt_first(), self.felt(k, length)].map(carries);
                 keeps_pressing(ends, self.magnitude(), self.fourth(), length)
             });
         }

@@ -13,10 +13,12 @@ use crate::segment::slide::{Ends, Slip};
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
     /// True if it is proved that the absorber at hand does not stop between these places.
-    pub(super) fn keeps_sliding(&self, ends: [&Place<R>; 2], length: R) -> bool {
-        let s = self.from.places[self.at_hand()].sliding;
-        let ends =
-            ends.map(|place| [-s * place.side * place.rate.value, -s * self.shaken(place)[0]]);
+    pub(super) fn keeps_sliding(&self, [from, to]: [&Place<R>; 2], length: R) -> bool {
+        let s = from.sliding;
+        let of =
+            |place: &Place<R>, shaken: [R; 4]| [-s * place.side * place.rate.value, -s * shaken[0]];
+        let last = self.felt(self.at_hand(), length);
+        let ends = [of(from, self.felt_first()), of(to, last)];
         let size = ends[0][0].abs()
             + ends[1][0].abs()
             + self.system.terms(&self.from, self.at_hand()) * length;
@@ -109,8 +111,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     }
 
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let place = &sample.places[self.ride.at_hand()];
-        self.ride.carried_by(self.off, self.ride.shaken(place))
+        self.ride.carried_by(self.off, self.ride.system.shaken(sample, self.ride.at_hand()))
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
@@ -143,7 +144,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve for Speed
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
         let place = &sample.places[self.slide.at_hand()];
         let s = place.sliding;
-        let [a, jerk, snap, _] = self.slide.shaken(place);
+        let [a, jerk, snap, _] = self.slide.system.shaken(sample, self.slide.at_hand());
         let value = -s * place.side * place.rate.value;
         Jet { value, rate: -s * a, curvature: -s * jerk, jerk: -s * snap }
     }

@@ -79,7 +79,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.positions(&mut places, |k| start.gaps[k].y);
         self.positions(&mut velocities, |k| start.gaps[k].w);
         let modes = Modes { places, velocities };
-        let mut state = ModalState { modes, places: [Place::FAR; N], phase, at_hand: 0 };
+        let mut state =
+            ModalState { modes, places: [Place::FAR; N], phase, at_hand: 0, felt: None };
         for (k, GapPoint { y, w }) in start.gaps.into_iter().take(self.count()).enumerate() {
             let [_, v] = modes.of_point(self.shape(k));
             let shaken = self.shaken(&state, k);

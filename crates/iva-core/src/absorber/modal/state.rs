@@ -32,9 +32,15 @@ pub struct Place<R = f64> {
     pub(super) held: bool,
     /// The sign of the gap velocity of a mass that rubs, or with which it would leave its wall; 0 of others, and of one that is held.
     pub(super) sliding: R,
-    /// The absolute acceleration A of the structure at the point of the mass, and its first three derivatives, where
-    /// they are known already.
-    pub(super) shaken: Option<[R; 4]>,
+    /// True at a release or where a slide begins, at which A is 0 without rounding.
+    pub(super) leaves: bool,
+}
+
+/// A, as the curve of one absorber is made of it, and its first three derivatives, where they are known already.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Felt<R> {
+    pub of: usize,
+    pub shaken: [R; 4],
 }
 
 /// The state of a structure with modes and of its masses between events.
@@ -46,6 +52,7 @@ pub struct ModalState<H: Host, const N: usize = MOST, const M: usize = MOST_MODE
     pub(super) phase: Phase<H>,
     /// The index of the absorber at hand.
     pub(super) at_hand: u8,
+    pub(super) felt: Option<Felt<H::Real>>,
 }
 
 impl<H: Host, const N: usize, const M: usize> Clone for ModalState<H, N, M> {
@@ -60,7 +67,8 @@ impl<H: Host, const N: usize, const M: usize> ModalState<H, N, M> {
     /// After a change of what accelerates the structure.
     #[inline(always)]
     pub(super) fn renew(&mut self) {
-        self.places.iter_mut().for_each(|place| place.shaken = None);
+        self.felt = None;
+        self.places.iter_mut().for_each(|place| place.leaves = false);
     }
 
     /// The same state, after such a change.
@@ -75,6 +83,12 @@ impl<H: Host, const N: usize, const M: usize> ModalState<H, N, M> {
     /// leave. `None` without such a mass.
     pub fn direction(&self, mass: usize) -> Option<H::Real> {
         self.places.get(mass).map(|place| place.sliding)
+    }
+
+    /// A and its derivatives of a mass, if they are known.
+    #[inline(always)]
+    pub(super) fn felt_by(&self, k: usize) -> Option<[H::Real; 4]> {
+        self.felt.filter(|felt| felt.of == k).map(|felt| felt.shaken)
     }
 
     /// qⱼ and q̇ⱼ.
@@ -119,14 +133,8 @@ impl<R: Real> Place<R> {
         stuck: false,
         held: false,
         sliding: R::ZERO,
-        shaken: None,
+        leaves: false,
     };
-
-    /// True at a release or where a slide begins, at which A is 0 without rounding.
-    #[inline(always)]
-    pub(super) fn leaves(&self) -> bool {
-        self.shaken.is_some_and(|shaken| shaken[0] == 0.0)
-    }
 
     /// True if the mass moves with its point: stuck to a wall, or held in its gap.
     #[inline(always)]
@@ -167,6 +175,6 @@ impl<R: Real> Place<R> {
         }
         let distance = self.distance.plus(self.rate.value * time);
         let gained = acceleration * time;
-        Self { distance, rate: self.rate.plus(self.side * gained), shaken: None, ..*self }
+        Self { distance, rate: self.rate.plus(self.side * gained), leaves: false, ..*self }
     }
 }

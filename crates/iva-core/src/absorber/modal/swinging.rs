@@ -25,7 +25,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let hanging = (0..all).filter_map(|k| Some((k, self.hanging(k)?)));
         hanging.fold(R::ZERO, |most, (k, is)| {
             let stiffness = is.frequency_squared + is.spring.acting();
-            let loaded = is.mass_ratio.mul_add(self.mobility[k][k].value, R::ONE);
+            let loaded = is.mass_ratio.mul_add(self.mobility(k, k).value, R::ONE);
             let own = R::larger((stiffness * loaded).sqrt(), is.pivot_damping);
             let turning = is.swing(self.turning(k, is, &places[k]));
             R::larger(most, R::larger(own, turning))
@@ -65,7 +65,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let based = || {
             let own = Self::length(self.whole.participation().unwrap_or(&[]));
             (0..self.count()).fold(own, |sum, k| {
-                self.masses[k].mass_ratio.mul_add(self.mobility[k][k].value.sqrt(), sum)
+                self.masses[k].mass_ratio.mul_add(self.mobility(k, k).value.sqrt(), sum)
             })
         };
         let base = if a == 0.0 { R::ZERO } else { a * based() };
@@ -81,7 +81,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         (unit, most): (R, R),
     ) -> Option<R> {
         let tolerance = Accuracy::<R>::of(R::ZERO).tolerance;
-        let shape = |k: usize| self.mobility[k][k].value.sqrt();
+        let shape = |k: usize| self.mobility(k, k).value.sqrt();
         let flying: Vec<InFlight<'_, R>> = grown
             .swings
             .iter()
@@ -208,7 +208,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         };
         let t = DoubleDouble::new(h).over(unit);
         let bent = (2..=ORDER).rev().fold(DoubleDouble::ZERO, |sum, m| {
-            let released = m == 2 && place.leaves();
+            let released = m == 2 && place.leaves;
             sum * t + if released { DoubleDouble::ZERO } else { coefficient(m) }
         });
         let bent = bent * t * t;

@@ -4,7 +4,7 @@
 //! system of equations, as if parts of the pendulums were stuck to their points.
 
 use super::drive::{Aside, Pushed};
-use super::equations::{Regime, Stuck};
+use super::regime::{Regime, Stuck};
 use super::series::{ModalSeries, Series, Term};
 use super::{Modal, ModalState};
 use crate::host::Host;

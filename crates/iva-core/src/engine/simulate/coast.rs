@@ -25,8 +25,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Lets an absorber that is too far from its walls to meet one fly on for some steps.
     pub(super) fn coast(&mut self) {
         let system = self.system;
-        let (count, end) = system.coasts(&self.tally.state, self.progress.remaining());
-        if count > 0 {
+        let coasts = system.coasts(&self.tally.state, self.progress.remaining());
+        if let Some((count, end)) = coasts {
             let begin = Instant { time: self.progress.clock, state: self.tally.state };
             show_coast(system, &begin, (count, end), &mut self.observer);
             self.progress = self.progress.later(end.1);

@@ -233,14 +233,13 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             }
         }
         self.tally.undecided += undecided;
-        let mut arrived = match reached.as_ref().filter(|_| met.is_none()) {
-            Some(ahead) => flight.completed(end, ahead),
-            None => flight.arrival(end),
-        };
         let absorber = met.map_or(at_hand, |(absorber, _)| absorber);
         self.turn_to(absorber);
         system.turn(&mut flight, absorber);
-        system.take_at_hand(&mut arrived, absorber);
+        let arrived = match reached.as_ref().filter(|_| met.is_none()) {
+            Some(ahead) => flight.completed(end, ahead),
+            None => flight.arrival(end),
+        };
         self.advance_to(&flight, end, &arrived, length == remaining);
         self.rub(flight.origin(), end);
         let Some((_, ending)) = met else {

@@ -95,7 +95,7 @@ fn no_series_leaves_out_more_than_its_bound() {
                 .swings
                 .iter()
                 .map(|swing| {
-                    let shape = system.mobility[swing.index][swing.index].value.sqrt();
+                    let shape = system.mobility(swing.index, swing.index).value.sqrt();
                     InFlight { series: &swing.series, shape }
                 })
                 .collect();
