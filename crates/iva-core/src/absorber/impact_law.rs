@@ -22,6 +22,11 @@ pub trait ImpactLaw: OnStructure {
     fn impulse_at(&self, wall: Wall, approach: Self::Real) -> Self::Real {
         self.law_at(wall, approach).gain
     }
+    /// The impulse of an impact of one of several absorbers over the unit of mass.
+    fn impulse_of(&self, impact: &Impact<Self::Real>) -> Self::Real {
+        let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
+        gained.abs() * self.mass_ratio_of(impact.absorber.into())
+    }
     /// Applies the impact law to a state in contact: the state after the impact, and its record.
     fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
     /// The state after an infinite tail of rebounds, stuck with the common velocity, and the energy lost in

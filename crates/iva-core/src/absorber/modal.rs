@@ -14,6 +14,7 @@
 //! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
 //! | kₖ, cₖ | spring and dashpot between mass and point | [`Tie`], [`Modal::with_ties`] |
 //! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
+//! | y = u | a stop on the ground at a point | [`FreeMass::on_ground`], `modal/ground.rs` |
 //! | y = b sinθ | a pendulum at a point | [`Modal::with_pendulums`], `modal/pendulum.rs` |
 //! | Rₖ, Rₛₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ; the largest at rest | [`Modal::with_friction`], [`Modal::with_static_friction`] |
 //!
@@ -83,6 +84,7 @@ mod flight;
 mod followed;
 mod forms;
 mod friction;
+mod ground;
 pub mod impact_law;
 mod leaps;
 mod linear;
@@ -228,7 +230,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         let structure = Arc::new(structure);
         let modal = Self {
             whole: Arc::clone(&structure),
-            structure,
+            structure: Arc::clone(&structure),
             masses: std::array::from_fn(|k| masses.get(k).map_or(unused, |(mass, _)| *mass)),
             at,
             count,
@@ -236,7 +238,10 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             pushed: at[0],
             host,
             mobilities: vec![],
-            tied: std::array::from_fn(|_| None),
+            tied: std::array::from_fn(|k| {
+                let (mass, _) = masses.get(k)?;
+                (mass.mass_ratio == 0.0).then(|| ties::Tied::on_ground(structure.shape(at[k])))
+            }),
             pendulums: [None; N],
             swings: false,
             gravity: [R::ZERO; N],
@@ -248,7 +253,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
-        Ok(modal.completed())
+        let modal = modal.completed();
+        modal.check_stops().map(|()| modal)
     }
 
     /// The same masses with gravity G along the line of motion of each, which rises towards wall +.
@@ -347,6 +353,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
+        self.number_stops();
         let all = 0..self.count();
         let of = |k: usize| all.clone().map(move |l| (k, l));
         let mobilities = all.clone().flat_map(of);

@@ -231,7 +231,7 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         let (y, w) = (start.gap_displacement, start.gap_velocity);
         let leaning = [-host.acceleration.value, start.velocity];
         let leaning = leaning.into_iter().chain(self.host.leaning(&host.phase));
-        let (side, distance) = self.mass.begun([y, w], leaning);
+        let (side, distance) = self.mass.begun((DoubleDouble::new(y), w), leaning);
         SivaState { host, side, distance, rate: DoubleDouble::new(-side * w) }
     }
 

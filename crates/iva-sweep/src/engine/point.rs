@@ -329,8 +329,7 @@ fn gained<R: Real, S: Absorber<Real = R>>(system: &S, impact: &Impact<R>, approa
     if system.absorbers() <= 1 {
         return system.impulse_at(impact.wall, approach) * approach;
     }
-    let change = impact.absorber_velocity_after() - impact.absorber_velocity_before();
-    change.abs() * system.mass_ratio_of(usize::from(impact.absorber))
+    system.impulse_of(impact)
 }
 
 struct Point<'a, R: Real> {

@@ -72,6 +72,7 @@ mod starts_at_jumps;
 mod static_friction;
 mod steady;
 mod stick_branches;
+mod stops_on_ground;
 mod stress;
 mod stress_inputs;
 mod sweep_tables;

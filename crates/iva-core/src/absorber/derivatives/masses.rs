@@ -31,6 +31,8 @@ pub struct LinearStructure {
     pub lightness: Vec<f64>,
     /// The masses that are coordinates of the structure, √μ (φq + y), and the indices of these.
     pub as_coordinates: Vec<(usize, usize)>,
+    /// The stops on the ground, whose gap displacement is −φq.
+    pub stops: Vec<usize>,
     /// How each member follows its point in flight.
     pub pulls: Vec<Pull>,
 }
@@ -82,6 +84,14 @@ impl LinearStructure {
                     begin[(follows, row + j)] = if j == *coordinate { 0.0 } else { root * phi };
                 }
                 begin[(follows, gap)] = root;
+            }
+        }
+        for stop in &self.stops {
+            for (column, gap) in [0, self.coordinates()].into_iter().zip(self.of(*stop)) {
+                begin[(gap, gap)] = 0.0;
+                for (j, phi) in self.shapes[*stop].iter().enumerate() {
+                    begin[(gap, column + j)] = -phi;
+                }
             }
         }
         begin

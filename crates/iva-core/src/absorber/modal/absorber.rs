@@ -150,7 +150,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn lever_of(&self, absorber: usize) -> R {
-        if self.swings() { self.lever(self.index(absorber)) } else { R::ONE }
+        let k = self.index(absorber);
+        if self.on_ground(k) { -R::ONE } else { self.lever(k) }
     }
 
     fn angle(&self, state: &Self::State) -> Option<Angle<R>> {

@@ -58,7 +58,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         unit: R,
         (order, exact): (usize, usize),
     ) -> ModalSeries<R> {
-        let mut rows = ModalSeries::new(self.whole.count(), order, exact);
+        let mut rows = ModalSeries::new(self.rows(), order, exact);
         rows.set(0, |j| modes.places[j]);
         rows.set(1, |j| scaled(modes.velocities[j], unit));
         rows
@@ -190,6 +190,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             for (force, phi) in force.iter_mut().zip(shape) {
                 *force = *force - pull * T::from_real(*phi);
             }
+            if let Some(stop) = self.grounded(k) {
+                force[stop.coordinate] = load;
+            }
             return;
         }
         let mut load = [zero; N];
@@ -204,6 +207,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let pull = row.fold(zero, |sum, (element, load)| T::of(*element) * *load + sum);
             for (force, phi) in force.iter_mut().zip(self.gap_shape(*k)) {
                 *force = *force - pull * T::from_real(*phi);
+            }
+            if let Some(stop) = self.grounded(*k) {
+                force[stop.coordinate] = pull / T::of(stuck.inverse[i * (count + 1)]);
             }
         }
     }
@@ -220,6 +226,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     ) -> Series<R> {
         if let Some(curved) = grown.swung(k, order) {
             return curved;
+        }
+        if let Some(row) = self.pressed_row(k, place) {
+            let mut sum = Series::ZERO;
+            (2..=order).for_each(|m| sum.set(m, grown.rows.coefficient(row, m)));
+            return sum;
         }
         let Followed { shape, factor, with_base, constant } = self.followed(k, place);
         let mut sum = Series::ZERO;

@@ -3,7 +3,7 @@
 use super::losses::{at_nodes, mean};
 use super::state::Felt;
 use super::{ModalMotion, ModalState, Place, wall_of};
-use crate::absorber::{OnStructure, Wall};
+use crate::absorber::{Absorber as _, OnStructure, Wall};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -32,7 +32,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
         if let Some(it) = self.oscillation() {
             return self.oscillated(it, h, false);
         }
-        self.state_with(self.modal_series().modes(self.share(h), self.unit), h)
+        self.state_with(self.modes(h), h)
     }
 
     fn arrival(&self, h: R) -> Self::State {
@@ -68,7 +68,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             return self.nearly_oscillated(it, h);
         }
         let (system, from) = (self.system, &self.from);
-        let modes = self.modal_series().modes(self.share(h), self.unit);
+        let modes = self.modes(h);
         let mut ahead = ModalState { modes, ..*from };
         for k in 0..system.count() {
             let place = &from.places[k];
@@ -238,7 +238,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             std::array::from_fn(|m| if place.carried() { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
-        let lever = self.system.lever(k);
+        let lever = self.system.lever_of(k);
         let absorber = std::array::from_fn(|m| lever.mul_add(gap[m], own[m]));
         Some(Travel { rows, gap, absorber })
     }

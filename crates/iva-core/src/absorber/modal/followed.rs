@@ -23,7 +23,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// flight.
     pub(super) fn followed(&self, k: usize, place: &Place<R>) -> Followed<'_, R> {
         let gravity = DoubleDouble::new(self.gravity[k]);
-        if place.carried() {
+        if place.carried() && self.grounded(k).is_none() {
             let pulled = gravity + self.pulled(k, place.gap(&self.masses[k]).y);
             let (factor, constant) = (self.follows(k, place), pulled + self.drawn(k, place));
             return Followed { shape: self.shape(k), factor, with_base: true, constant };

@@ -63,7 +63,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         // Of each unit vector all q̇ at all nodes.
         let flown = |regime: &Regime<'_, R, N>, modes| {
             let rows = self.series_fed(&modes, regime, (&still, &[]), unit);
-            instants.map(|t| rows.modes::<M>(t, unit).velocities.map(|v| v.value))
+            instants.map(|t| rows.modes::<M>(n, t, unit).velocities.map(|v| v.value))
         };
         let separate = self.whole.is_separate();
         let speeds: Vec<[[R; M]; NODES]> =

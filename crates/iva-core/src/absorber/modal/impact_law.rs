@@ -30,7 +30,7 @@ use super::state::Place;
 use super::{Modal, ModalState, mobility, wall_of};
 use crate::absorber::chatter::is_nothing;
 use crate::absorber::impact::Impact;
-use crate::absorber::{ImpactLaw, LawAt, OnStructure as _, Wall};
+use crate::absorber::{Absorber as _, ImpactLaw, LawAt, OnStructure as _, Wall};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -234,6 +234,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         (self.law_at(wall, approach).restitution + 1.0) * self.reduced(0)
     }
 
+    /// That of a stop on the ground is what the ground takes, if no other member has its impact at the same instant.
+    fn impulse_of(&self, impact: &Impact<R>) -> R {
+        let k = self.index(impact.absorber.into());
+        if self.on_ground(k) {
+            let turned = impact.gap_velocity_before - impact.gap_velocity_after;
+            return turned.abs() * self.reduced(k);
+        }
+        let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
+        gained.abs() * self.masses[k].mass_ratio
+    }
+
     /// The record tells displacement and velocity of the structure at the point of the mass.
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         if self.count() == 0 {
@@ -269,7 +280,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             velocity_after: v_after,
             gap_velocity_before: w,
             gap_velocity_after: -e * w,
-            lever: self.lever(k),
+            lever: self.lever_of(k),
             energy_loss: self.lost(k, &place, e, &blow.impulses),
         };
         (after, impact)

@@ -39,8 +39,11 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
                 .collect(),
             lightness: (0..self.count()).map(|k| self.lightness(k).value).collect(),
             as_coordinates: (0..self.count())
-                .filter_map(|k| Some((k, self.tied[k].as_ref()?.coordinate)))
+                .filter_map(|k| {
+                    Some((k, self.tied[k].as_ref().filter(|it| !it.grounded)?.coordinate))
+                })
                 .collect(),
+            stops: (0..self.count()).filter(|k| self.grounded(*k).is_some()).collect(),
             pulls: (0..self.count()).map(|k| self.pull_of(k, &state.places[k])).collect(),
         }
     }

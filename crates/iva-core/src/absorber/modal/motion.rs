@@ -144,6 +144,12 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         })
     }
 
+    /// q and q̇ of all modes at h.
+    #[inline(always)]
+    pub(super) fn modes(&self, h: R) -> Modes<R, M> {
+        self.modal_series().modes(self.system.whole.count(), self.share(h), self.unit)
+    }
+
     /// q of all modes.
     pub(super) fn modal_series(&self) -> &ModalSeries<R> {
         &self.expansion().grown.rows
@@ -207,6 +213,10 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         let (k, begin) = self.begun();
         if self.swings {
             return self.largest_of_series(self.curved(k), n + 1);
+        }
+        if self.system.pressed_row(k, begin).is_some() {
+            let stuck = &self.regime.stuck;
+            return self.system.bound_of_load(k, stuck, self.derivatives(n - 1), n, self.reach);
         }
         let followed = self.system.followed(k, begin);
         self.system.bound(self.derivatives(n), &self.regime.stuck, followed, n, self.reach)

@@ -309,7 +309,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                     fed: &[Pushed<R>],
                     asides: &[Aside<R>]| {
             let rows = self.series_fed(modes, regime, (fed, asides), unit);
-            rows.modes::<M>(length / unit, unit)
+            rows.modes::<M>(n, length / unit, unit)
         };
         let mut still = [[DoubleDouble::ZERO; 3]; ORDER + 1];
         still[0][2] = DoubleDouble::new(R::ONE);

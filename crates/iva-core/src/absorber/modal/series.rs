@@ -104,6 +104,13 @@ impl<R: Real> ModalSeries<R> {
         self.parts[m * self.n + j]
     }
 
+    /// A coefficient of a mode.
+    #[inline(always)]
+    pub(super) fn coefficient(&self, j: usize, m: usize) -> DoubleDouble<R> {
+        let (high, low) = self.power(m);
+        DoubleDouble { value: high[j], rest: low.get(j).copied().unwrap_or(R::ZERO) }
+    }
+
     /// The power series of one mode, plain.
     pub(super) fn row(&self, j: usize) -> Row<R> {
         std::array::from_fn(|m| self.plain(j, m))
@@ -126,14 +133,13 @@ impl<R: Real> ModalSeries<R> {
         DoubleDouble::new(sum).plus_parts(R::ZERO, rest)
     }
 
-    /// q and q̇ of all modes at t = h/`unit`.
+    /// q and q̇ of the first n modes at t = h/`unit`.
     #[inline(always)]
-    pub(super) fn modes<const M: usize>(&self, t: R, unit: R) -> Modes<R, M> {
-        let n = self.n;
+    pub(super) fn modes<const M: usize>(&self, n: usize, t: R, unit: R) -> Modes<R, M> {
         let zero = [R::ZERO; M];
         let ([mut q, mut ql], [mut v, mut vl]) = ([zero; 2], [zero; 2]);
         let ((q, ql), (v, vl)) = ((&mut q[..n], &mut ql[..n]), (&mut v[..n], &mut vl[..n]));
-        let exact = self.parts.len() / n - self.count;
+        let exact = self.parts.len() / self.n - self.count;
         for m in (exact..self.count).rev() {
             let (high, _) = self.power(m);
             for j in 0..n {

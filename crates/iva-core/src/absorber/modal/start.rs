@@ -62,13 +62,30 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 }
             }
         }
+        let modes = Modes {
+            places: start.displacements.map(DoubleDouble::new),
+            velocities: start.velocities.map(DoubleDouble::new),
+        };
         for (k, (mass, GapPoint { y, w })) in self.masses().iter().zip(start.gaps).enumerate() {
+            if self.on_ground(k) {
+                let [u, _] = self.placed(k, &modes, GapPoint { y, w });
+                check_place("start.displacement", u.value, [mass.clearance, mass.offset])?;
+                continue;
+            }
             let field = |name: &str| format!("start.{k}.{name}");
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
             check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
         }
         Ok(())
+    }
+
+    /// The gap displacement and velocity of a member at the start: those given, or of a stop on the ground those of its point.
+    fn placed(&self, k: usize, modes: &Modes<R, M>, given: GapPoint<R>) -> [DoubleDouble<R>; 2] {
+        match self.grounded(k) {
+            Some(_) => modes.of_point(self.shape(k)),
+            None => [given.y, given.w].map(DoubleDouble::new),
+        }
     }
 
     /// The first state.
@@ -85,8 +102,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let [_, v] = modes.of_point(self.shape(k));
             let shaken = self.shaken(&state, k);
             let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));
-            let (side, distance) = self.masses[k].begun([y, w], leaning);
-            let rate = DoubleDouble::new(-side * w);
+            let [y, w] = self.placed(k, &modes, GapPoint { y, w });
+            let (side, distance) = self.masses[k].begun((y, w.value), leaning);
+            let rate = if side > 0.0 { w.negated() } else { w };
             let held = self.friction[k] != 0.0;
             let place = Place { side, distance, rate, held, ..Place::FAR };
             state.places[k] = self.directed(k, &place);

@@ -36,10 +36,12 @@ pub(super) struct Tied<R> {
     pub tie: Tie<R>,
     /// φ of the gap.
     pub shape: Vec<R>,
-    /// The index of p.
+    /// The index of p; of a stop on the ground that of its series behind those of all coordinates.
     pub coordinate: usize,
     /// √μ: how the base takes part in p.
-    root: R,
+    pub root: R,
+    /// True of a stop on the ground (`modal/ground.rs`), which has neither mass nor coordinate.
+    pub grounded: bool,
 }
 
 impl<R: Real> Tie<R> {
@@ -82,6 +84,11 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         }
         let own = self.whole.count();
         let coupled: Vec<usize> = (0..self.count()).filter(|k| ties[*k] != Tie::NONE).collect();
+        if let Some(k) = coupled.iter().find(|k| self.on_ground(**k)) {
+            let rule = "a stop on the ground has no spring or dashpot: give them to the structure";
+            let tie = number(ties[*k].spring.double());
+            return Err(Invalid::new(format!("absorber.{k}.spring"), tie, rule));
+        }
         let count = own + coupled.len();
         if count > M {
             let rule = format!("modes and masses with a spring or dashpot are {M} at most");
@@ -90,18 +97,23 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         if coupled.is_empty() {
             return Ok(self);
         }
-        let mut all = std::array::from_fn(|_| None);
+        let mut all = self.tied.clone();
+        for stop in all.iter_mut().flatten() {
+            stop.shape.resize(count, R::ZERO);
+        }
         for (index, &k) in coupled.iter().enumerate() {
             let root = self.masses[k].mass_ratio.sqrt();
             let coordinate = own + index;
             let mut shape = self.whole.shape(self.at[k]).to_vec();
             shape.resize(count, R::ZERO);
             shape[coordinate] = -(R::ONE / root);
-            all[k] = Some(Tied { tie: ties[k], shape, coordinate, root });
+            let grounded = false;
+            all[k] = Some(Tied { tie: ties[k], shape, coordinate, root, grounded });
         }
-        let of_all: Vec<&Tied<R>> = all.iter().flatten().collect();
+        let of_all: Vec<&Tied<R>> = all.iter().flatten().filter(|it| !it.grounded).collect();
         let whole = self.whole.with_masses(&of_all);
-        Ok(Self { tied: all, whole: Arc::new(whole), ..self }.completed())
+        let tied = Self { tied: all, whole: Arc::new(whole), ..self }.completed();
+        tied.check_stops().map(|()| tied)
     }
 }
 
@@ -122,7 +134,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// √μ (u + y) and √μ (u̇ + w) of each tied mass, at their coordinates.
     pub(super) fn positions(&self, places: &mut [DoubleDouble<R>], of_gaps: impl Fn(usize) -> R) {
         for (k, tied) in self.tied.iter().enumerate() {
-            let Some(tied) = tied else { continue };
+            let Some(tied) = tied.as_ref().filter(|tied| !tied.grounded) else { continue };
             let both = places.iter().zip(self.shape(k));
             let u = both.fold(DoubleDouble::ZERO, |sum, (q, phi)| sum + q.times(*phi));
             places[tied.coordinate] = u.plus(of_gaps(k)).times(tied.root);

@@ -37,6 +37,15 @@ impl<R: Real> FreeMass<R> {
         Ok(Self::checked(mass_ratio, restitution, clearance))
     }
 
+    /// A stop on the ground, which has no mass: its walls are met by the point of a structure ([`crate::absorber::modal`]).
+    ///
+    /// # Errors
+    /// As [`FreeMass::new`].
+    pub fn on_ground(restitution: R, clearance: R) -> Result<Self, Invalid> {
+        let like = Self::new(R::ONE, restitution, clearance)?;
+        Ok(Self { mass_ratio: R::ZERO, laws: [Law::new(R::ZERO, restitution); 2], ..like })
+    }
+
     /// [`FreeMass::new`] from checked parameters.
     pub(super) fn checked(mass_ratio: R, restitution: R, clearance: R) -> Self {
         let laws = [Law::new(mass_ratio, restitution); 2];
@@ -132,10 +141,10 @@ impl<R: Real> FreeMass<R> {
     /// and velocity do not tell, the first of `leaning` that is not 0 decides.
     pub(crate) fn begun(
         &self,
-        [y, w]: [R; 2],
+        (y, w): (DoubleDouble<R>, R),
         leaning: impl IntoIterator<Item = R>,
     ) -> (R, DoubleDouble<R>) {
-        let place = DoubleDouble::new(y).plus(-self.offset);
+        let place = y.plus(-self.offset);
         let seen = [place.value, w].into_iter().chain(leaning).find(|value| *value != 0.0);
         let s = if seen.unwrap_or(R::ONE) > 0.0 { R::ONE } else { -R::ONE };
         let distance =

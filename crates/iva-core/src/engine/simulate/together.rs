@@ -309,8 +309,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     fn strike_by(&mut self, absorber: usize, before: &S::State) {
         self.turn_to(absorber);
         let impact = self.strike(before);
-        let gained = impact.absorber_velocity_after() - impact.absorber_velocity_before();
-        let impulse = gained.abs() * self.system.mass_ratio_of(absorber);
+        let impulse = self.system.impulse_of(&impact);
         self.waiting[absorber].impulse = R::larger(self.waiting[absorber].impulse, impulse);
     }
 

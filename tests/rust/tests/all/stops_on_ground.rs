@@ -1,0 +1,221 @@
+//! Stops that stand on the ground: the impact oscillator, and stops beside absorbers on several modes.
+//!
+//! Numbers come from closed forms (an undamped oscillator between its stops, a point that a force presses on a stop), from the mirror image of a scene, from the
+//! ledger of energies, and from runs in numbers of twice the precision.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use iva_core::{
+    absorber::modal::{Modal, ModalStart, ModalStructure, PRIMARY},
+    flight::GapPoint,
+    force::{Acts, Force},
+    host::UndrivenHost,
+    observe::Events,
+    propagation::Errors,
+    real::{Real, twofold::Twofold},
+    run::{Run, run},
+    simulate::{Limits, Outcome, simulate},
+    siva::FreeMass,
+};
+use iva_tests::covered::Covered;
+use iva_tests::modal::{
+    POINTS, any_mass, any_structure, built, furthest, limits, push, reals, rows, ties,
+};
+use iva_tests::rng::Rng;
+use iva_tests::some;
+
+const REST: GapPoint = GapPoint { y: 0.0, w: 0.0 };
+
+/// An oscillator between two stops at ±d.
+fn oscillator(e: f64, d: f64) -> Modal<UndrivenHost, 1, 2> {
+    let stop = FreeMass::on_ground(e, d).unwrap();
+    Modal::with_room(ModalStructure::moving_as_one(0.0).unwrap(), &[(stop, PRIMARY)]).unwrap()
+}
+
+/// From one stop to the other with a speed v takes 2 atan(d/v), and each impact leaves e v.
+#[test]
+fn an_oscillator_between_stops_follows_its_closed_form() {
+    for (e, d, v, count) in [(1.0, 0.5, 1.0, 200), (0.8, 0.3, 2.0, 8), (0.97, 1.1, 3.0, 60)] {
+        let system = oscillator(e, d);
+        let start = ModalStart::new(&[0.0], &[v], [REST]).unwrap();
+        let mut speed = (v * v - d * d).sqrt();
+        let (mut time, mut side) = ((d / v).asin(), 1.0);
+        let run = run(&system, &start, &Limits::new(10_000.0, d)).unwrap();
+        let mut compared = 0;
+        for impact in run.impacts.iter().take(count) {
+            let off = (impact.time - time).abs() / time.max(1.0);
+            assert!(off < 4e-15, "{e}: impact {compared} at {time}: {off:e}");
+            assert!((impact.displacement - side * d).abs() < 4e-15);
+            assert!((impact.velocity_before - side * speed).abs() < 1e-14 * v);
+            assert!((impact.velocity_after + side * e * speed).abs() < 1e-14 * v);
+            assert!(impact.absorber_velocity_before().abs() < 1e-14 * v);
+            let lost = 0.5 * (1.0 - e * e) * speed * speed;
+            assert!((impact.energy_loss - lost).abs() < 1e-14 * v * v);
+            assert_eq!(impact.wall.sign(), side);
+            speed *= e;
+            time += 2.0 * (d / speed).atan();
+            (side, compared) = (-side, compared + 1);
+        }
+        assert_eq!(compared, count);
+    }
+}
+
+/// A force f cos Ωt that presses the point on its stop lets it go where f cos (Ωt + 0.3) = d, without damping.
+#[test]
+fn a_point_stays_on_its_stop_while_a_force_presses() {
+    for e in [0.0, 0.4] {
+        let (d, f, omega) = (0.2, 1.7, 0.05);
+        let driven = oscillator(e, d).under(push(f, omega, Acts::Primary), PRIMARY).unwrap();
+        let start = ModalStart::new(&[0.0], &[0.0], [REST]).unwrap();
+        let run = run(&driven, &start, &Limits::new(40.0, 1e-9)).unwrap();
+        let begin = &run.episodes[0];
+        let released = ((d / f).acos() - 0.3) / omega;
+        assert!((begin.release_time.unwrap() - released).abs() < 1e-12, "{e}: {begin:?}");
+        assert!(run.measures.energy_residual.abs() < 1e-14);
+    }
+}
+
+/// The mirror image of a scene has the mirror image of all its events.
+#[test]
+fn a_mirrored_scene_has_mirrored_events() {
+    let of = |sign: f64| {
+        let stop = FreeMass::on_ground(0.6, 0.4).unwrap().with_offset(sign * 0.1).unwrap();
+        let mass = FreeMass::new(0.1, 0.7, 0.3).unwrap();
+        let structure = ModalStructure::moving_as_one(0.01).unwrap();
+        let masses = [(stop, PRIMARY), (mass, PRIMARY)];
+        let system = Modal::<_, 2, 2>::with_room(structure, &masses).unwrap();
+        let start = ModalStart::new(&[sign * 0.2], &[sign * 1.5], [REST; 2]).unwrap();
+        run(&system, &start, &Limits::new(30.0, 1e-9)).unwrap().impacts
+    };
+    let [one, other] = [1.0, -1.0].map(of);
+    assert!(one.len() > 15 && one.len() == other.len());
+    for (a, b) in one.iter().zip(&other) {
+        assert!(a.time == b.time && a.wall != b.wall && a.absorber == b.absorber);
+        assert!(a.velocity_before == -b.velocity_before && a.energy_loss == b.energy_loss);
+    }
+}
+
+type System<R> = Modal<UndrivenHost<R>, 4>;
+type Begin<R> = ModalStart<R, 4>;
+
+/// Three modes between stops at two points, with a mass that rubs and one with a spring and a dashpot.
+fn scene<R: Real>(seed: u64) -> (System<R>, Begin<R>, Option<Force<R>>) {
+    let mut rng = Rng::new(7300 + seed);
+    let structure = any_structure::<R>(&mut rng, 3, seed.is_multiple_of(3));
+    let mut stop = || {
+        let [e, d] = [rng.range(0.0, 0.95), rng.log_range(0.1, 0.6)];
+        let stop = FreeMass::on_ground(R::from(e), R::from(d)).unwrap();
+        stop.with_offset(R::from(d * rng.range(-0.6, 0.6))).unwrap()
+    };
+    let stops = [stop(), stop()];
+    let masses = [any_mass(&mut rng), any_mass(&mut rng)];
+    let members = [
+        (stops[0], POINTS[0]),
+        (built::<R>(masses[0]), POINTS[1]),
+        (stops[1], POINTS[2]),
+        (built::<R>(masses[1]), POINTS[0]),
+    ];
+    let mut any = || rng.log_range(1e-3, 0.1);
+    let tied = [[0.0; 2], [any(), any()], [0.0; 2], [0.0; 2]];
+    let rubs = [0.0, 0.0, 0.0, any()];
+    let velocities: [f64; 3] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
+    let gap =
+        |[_, _, _, offset, ..]: iva_tests::modal::Mass| GapPoint { y: R::from(offset), w: R::ZERO };
+    let rest = GapPoint { y: R::ZERO, w: R::ZERO };
+    let gaps = [rest, gap(masses[0]), rest, gap(masses[1])];
+    let start = Begin::new(&[R::ZERO; 3], &reals(&velocities), gaps).unwrap();
+    let system = System::new(structure, members).unwrap();
+    let system = system.with_ties(&ties(&tied)).unwrap().with_friction(&reals(&rubs)).unwrap();
+    let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
+    (system, start, acts.map(|acts| push(0.4, 0.9, acts)))
+}
+
+fn ran<R: Real>(seed: u64, duration: f64) -> Events<R> {
+    let (system, start, force) = scene::<R>(seed);
+    let (mut events, limits) = (Events::default(), limits::<R>(duration));
+    match force {
+        None => simulate(&system, &start, &limits, None, &mut events).map(|_| ()).unwrap(),
+        Some(force) => {
+            let driven = system.under(force, POINTS[1]).unwrap();
+            simulate(&driven, &start, &limits, None, &mut events).map(|_| ()).unwrap();
+        }
+    }
+    events
+}
+
+/// What is lost, what is left of the ledger, and the numbers of impacts and sticks.
+fn ledger<S, R: Real>(run: &Run<S, R>) -> ([f64; 2], [usize; 2]) {
+    assert_eq!(run.tally.outcome, Outcome::Finished);
+    let lost = run.tally.energy_impacts + run.measures.energy_viscous;
+    let all = [lost, run.measures.energy_residual].map(Real::double);
+    (all, [run.impacts.len(), run.episodes.len()])
+}
+
+fn lost<R: Real>(seed: u64) -> ([f64; 2], [usize; 2]) {
+    let (system, start, force) = scene::<R>(seed);
+    let limits = limits::<R>(20.0);
+    match force {
+        None => ledger(&run(&system, &start, &limits).unwrap()),
+        Some(force) => {
+            ledger(&run(&system.under(force, POINTS[1]).unwrap(), &start, &limits).unwrap())
+        }
+    }
+}
+
+/// The ledger closes, to all digits of either numbers.
+#[test]
+fn ledgers_close() {
+    let mut counted = [0; 2];
+    for seed in 0..some(60) as u64 {
+        let ([struck, residual], more) = lost::<f64>(seed);
+        assert!(residual.abs() < 1e-13 * struck, "{seed}: {residual:e} of {struck}");
+        counted = [counted[0] + more[0], counted[1] + more[1]];
+        if seed < 6 {
+            let ([_, residual], _) = lost::<Twofold>(seed);
+            // The quadrature of the losses leaves out 10⁻²⁰ of them.
+            assert!(residual.abs() < 1e-20, "{seed}: {residual:e}");
+        }
+    }
+    assert!(counted[0] > some(900) && counted[1] > some(20), "{counted:?}");
+}
+
+/// Doubles against twice the precision: the first impacts, which conditioning has not yet spread; and the errors as they are estimated.
+#[test]
+fn doubles_agree_with_twice_the_precision() {
+    let (mut covered, mut worst, mut compared) = (Covered::default(), 0.0_f64, 0);
+    for seed in 0..some(150) as u64 {
+        let (plain, exact) = (ran::<f64>(seed, 9.0), ran::<Twofold>(seed, 9.0));
+        let mut errors = Errors::default();
+        let few = plain.impacts.len().min(exact.impacts.len()).min(6);
+        let first = [rows(&plain.impacts[..few]), rows(&exact.impacts[..few])];
+        worst = worst.max(furthest(&first[0], &first[1]));
+        compared += few;
+        let (system, start, force) = scene::<f64>(seed);
+        match force {
+            None => {
+                simulate(&system, &start, &limits(9.0), None, &mut errors).unwrap();
+            }
+            Some(force) => {
+                let driven = system.under(force, POINTS[1]).unwrap();
+                simulate(&driven, &start, &limits(9.0), None, &mut errors).unwrap();
+            }
+        }
+        covered.count(&plain.impacts, &exact.impacts, &errors);
+    }
+    assert!(worst < 1e-12 && compared > some(600), "{worst:e} {compared}");
+    covered.holds(some(1300));
+}
+
+/// A stop at a node, with a spring, or beyond which the structure begins is refused.
+#[test]
+fn a_stop_without_sense_is_refused() {
+    let still = ModalStructure::new(&[1.0], &[0.0]).unwrap().with_point("a", &[0.0]).unwrap();
+    let stop = || FreeMass::on_ground(0.5, 0.4).unwrap();
+    let error = Modal::<_, 1>::new(still, [(stop(), "a")]).unwrap_err().to_string();
+    assert!(error.contains("absorber.0.point") && error.contains("moves"), "{error}");
+    let system = oscillator(0.5, 0.4);
+    let error = system.clone().with_ties(&ties(&[[0.1, 0.0]])).unwrap_err().to_string();
+    assert!(error.contains("absorber.0.spring"), "{error}");
+    let start = ModalStart::new(&[0.5], &[0.0], [REST]).unwrap();
+    let error = run(&system, &start, &Limits::new(1.0, 1e-9)).unwrap_err().to_string();
+    assert!(error.contains("start.displacement") && error.contains("0.4"), "{error}");
+}
