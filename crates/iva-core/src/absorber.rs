@@ -141,6 +141,16 @@ pub trait Absorber: ImpactLaw {
     fn clearance_at_hand(&self, state: &Self::State) -> Self::Real {
         self.clearance_of(self.at_hand(state))
     }
+    /// Half of the way from wall to wall of the absorber of this index: ∞ where it has one wall only.
+    #[inline(always)]
+    fn half_play_of(&self, absorber: usize) -> Self::Real {
+        self.clearance_of(absorber)
+    }
+    /// Between which values of y the absorber of this index moves.
+    fn walls_of(&self, absorber: usize) -> [Self::Real; 2] {
+        let (middle, d) = (self.offset_of(absorber), self.clearance_of(absorber));
+        [middle - d, middle + d]
+    }
     /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO

@@ -196,7 +196,12 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
     for (field, value) in fields {
         range::size(field, value)?;
     }
-    free_mass::check_place("start.gap_displacement", start.gap_displacement, [clearance, offset])
+    free_mass::check_place(
+        "start.gap_displacement",
+        start.gap_displacement,
+        [offset - clearance, offset + clearance],
+        clearance + offset.abs(),
+    )
 }
 
 impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {

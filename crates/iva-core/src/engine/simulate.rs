@@ -289,7 +289,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return false;
         }
         let stretch = if system.walls_reachable() {
-            first_contact(&flight, &state, system.clearance(), length)
+            first_contact(&flight, &state, system.half_play_of(0), length)
         } else {
             free_stretch(&flight, length)
         };

@@ -88,8 +88,7 @@ impl<R: Real> Extremes<R> {
         let bent = span.length * span.length * 0.125;
         let ends = [span.motion.origin(), span.end].map(|state| {
             let s = system.wall(state).sign();
-            let y = (high - system.clearance())
-                + (system.clearance() - system.distance(state).value) * s;
+            let y = system.offset_of(0) + (system.clearance() - system.distance(state).value) * s;
             (y, (system.primary(state).x + system.lever_of(0) * y).abs())
         });
         let [(from, p), (to, q)] = ends;
@@ -103,9 +102,10 @@ impl<R: Real> Extremes<R> {
 
 impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
-        let reaches = (0..system.absorbers().max(1)).map(|absorber| {
-            let (middle, d) = (system.offset_of(absorber), system.clearance_of(absorber));
-            Reach { walls: [middle - d, middle + d], gap: None, absorber: R::ZERO }
+        let reaches = (0..system.absorbers().max(1)).map(|absorber| Reach {
+            walls: system.walls_of(absorber),
+            gap: None,
+            absorber: R::ZERO,
         });
         *self = Self { reaches: reaches.collect(), ..Self::new(self.from) };
     }

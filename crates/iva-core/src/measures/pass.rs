@@ -48,10 +48,9 @@ impl<R: Real> Passes<R> {
 
 impl<R: Real, S: Absorber<Real = R>> Observer<S> for Passes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
-        let (middle, d) = (system.offset(), system.clearance());
         // What a pass measures is of one gap.
         self.known = system.absorbers() <= 1;
-        self.passes.iter_mut().for_each(|pass| pass.begin([middle - d, middle + d]));
+        self.passes.iter_mut().for_each(|pass| pass.begin(system.walls_of(0)));
     }
 
     fn looks_within(&self) -> bool {

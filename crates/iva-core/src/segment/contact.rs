@@ -27,11 +27,11 @@ pub struct Stretch<T, R = f64> {
     pub undecided: u64,
 }
 
-/// Searches a flight from its start up to `length` for its first contact.
+/// Searches a flight from its start up to `length` for its first contact. The walls are 2 `half_play` apart; of one wall only it is ∞.
 pub fn first_contact<R: Real, C: Curve<Real = R>>(
     flight: &C,
     start: &C::Sample,
-    clearance: R,
+    half_play: R,
     length: R,
 ) -> Stretch<C::Sample, R> {
     let jet = flight.jet(start);
@@ -40,7 +40,7 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
     // A flight that starts at a wall has rounding errors in proportion to its own height over that wall.
     let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
     let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
-    let far = searched(flight, (clearance * 2.0, -R::ONE), fourth, size);
+    let far = searched(flight, (half_play * 2.0, -R::ONE), fourth, size);
     let a = Node { h: R::ZERO, sample: *start, jet };
     let b = near.node(length);
     let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
@@ -53,7 +53,7 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
             stretch.contact = Some(Side::Near);
         }
     }
-    if !far.excluded(&a_far, &b_far, length) {
+    if half_play.is_finite() && !far.excluded(&a_far, &b_far, length) {
         let end = Node { jet: far.seen(&stretch.end.jet), ..stretch.end };
         let search = far.first_zero(&Node { jet: a_far, ..a }, &end);
         if let Some(zero) = search.zero {

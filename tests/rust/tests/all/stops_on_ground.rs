@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Wall,
     absorber::modal::{Modal, ModalStart, ModalStructure, PRIMARY},
     flight::GapPoint,
     force::{Acts, Force},
@@ -72,6 +73,72 @@ fn a_point_stays_on_its_stop_while_a_force_presses() {
         assert!((begin.release_time.unwrap() - released).abs() < 1e-12, "{e}: {begin:?}");
         assert!(run.measures.energy_residual.abs() < 1e-14);
     }
+}
+
+/// With one stop only, at d > 0, the oscillator comes back to it after 2π − 2 atan(v/d).
+#[test]
+fn an_oscillator_before_one_stop_follows_its_closed_form() {
+    for (e, d, v) in [(0.9, 0.5, 3.0), (1.0, 0.2, 1.0), (0.8, 2.0, 9.0)] {
+        let stop = FreeMass::on_ground(e, d).unwrap().with_only(Wall::Plus);
+        let one = ModalStructure::moving_as_one(0.0).unwrap();
+        let system = Modal::<_, 1, 2>::with_room(one, &[(stop, PRIMARY)]).unwrap();
+        let start = ModalStart::new(&[0.0], &[v], [REST]).unwrap();
+        let mut speed = (v * v - d * d).sqrt();
+        let mut time = (d / v).asin();
+        let run = run(&system, &start, &Limits::new(60.0, 1e-9)).unwrap();
+        assert!(run.impacts.len() > 8);
+        for impact in &run.impacts {
+            // Speeds shrink, and with them how well the contact is conditioned.
+            let off = (impact.time - time).abs() * speed / (time * v);
+            assert!(off < 4e-15, "{e}: {time}: {off:e}");
+            assert!((impact.velocity_before - speed).abs() < 1e-13 * v);
+            speed *= e;
+            time += std::f64::consts::TAU - 2.0 * (speed / d).atan();
+        }
+    }
+}
+
+/// A mass with one wall has the events of one whose other wall is far away.
+#[test]
+fn a_wall_out_of_reach_is_no_wall() {
+    let mut compared = 0;
+    for seed in 0..some(60) as u64 {
+        let mut rng = Rng::new(9100 + seed);
+        let mut masses = [any_mass(&mut rng), any_mass(&mut rng)];
+        for mass in &mut masses {
+            (mass[4], mass[5]) = (mass[3], 0.0);
+        }
+        let structure = any_structure::<f64>(&mut rng, 3, seed.is_multiple_of(3));
+        let rubs = [rng.log_range(1e-3, 0.1), 0.0].map(|it| if seed % 4 < 2 { it } else { 0.0 });
+        let of = |only: bool| {
+            let built = |k: usize, wall: Wall, sign: f64| {
+                let [mu, e, d, offset, ..] = masses[k];
+                let mass = FreeMass::new(mu, e, d).unwrap().with_offset(offset).unwrap();
+                if only {
+                    return mass.with_only(wall);
+                }
+                // The same wall, and one that is 100 d away.
+                let mass = FreeMass::new(mu, e, 50.0 * d).unwrap();
+                mass.with_offset(offset - sign * 49.0 * d).unwrap()
+            };
+            let members = [(built(0, Wall::Plus, 1.0), "p0"), (built(1, Wall::Minus, -1.0), "p1")];
+            let system = Modal::<_, 2>::new(structure.clone(), members).unwrap();
+            let system = system.with_friction(&rubs).unwrap();
+            // Their weights lead them back to their walls.
+            let system = system.with_gravity(&[-0.4, 0.3]).unwrap();
+            let gaps = [0, 1].map(|k: usize| GapPoint { y: masses[k][3], w: 0.0 });
+            let start = ModalStart::new(&[1.0, 0.3], &[0.2], gaps).unwrap();
+            let run = run(&system, &start, &Limits::new(25.0, 1e-9)).unwrap();
+            assert!(run.measures.energy_residual.abs() < 1e-12, "{seed}");
+            run.impacts
+        };
+        let [one, two] = [true, false].map(of);
+        let few = one.len().min(two.len()).min(8);
+        let off = furthest(&rows(&one[..few]), &rows(&two[..few]));
+        assert!(off < 1e-10, "{seed}: {off:e}");
+        compared += few;
+    }
+    assert!(compared > some(200), "{compared}");
 }
 
 /// The mirror image of a scene has the mirror image of all its events.

@@ -28,6 +28,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
     }
 
+    /// True if masses between two walls feel nothing but the motion of a structure that moves as one.
+    pub(super) fn goes_by_steps(&self) -> bool {
+        self.count() == 0 || (self.is_level() && self.masses().iter().all(|it| it.only.is_none()))
+    }
+
     /// True if no other mass can meet a wall, stop or slide off within a time in which its point gains such a velocity, and A so much per velocity.
     fn others_stay(
         &self,
@@ -52,7 +57,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 return false;
             }
             let travel = time * (rate.value.abs() + kicked + shaken * time);
-            let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
+            let (near, gap) = (distance.value, self.masses[k].half_play() * 2.0);
             !stuck && near > travel && gap - near > travel
         })
     }
@@ -145,6 +150,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.masses[self.index(absorber)].clearance
     }
 
+    fn half_play_of(&self, absorber: usize) -> R {
+        self.masses[self.index(absorber)].half_play()
+    }
+
+    fn walls_of(&self, absorber: usize) -> [R; 2] {
+        self.masses[self.index(absorber)].walls()
+    }
+
     fn offset_of(&self, absorber: usize) -> R {
         self.masses[self.index(absorber)].offset
     }
@@ -191,7 +204,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             return self.leap(state, remaining);
         }
         // A run of the structure alone sees its motion as it is.
-        if self.count() == 0 || self.is_level() {
+        if self.goes_by_steps() {
             self.steps_ahead(state, remaining)
         } else {
             self.leap(state, remaining)
@@ -199,8 +212,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
     }
 
     fn coasted(&self, state: &Self::State, steps: usize) -> Coasted<Self::State, R> {
-        let steps_by = self.oscillates() && (self.count() == 0 || self.is_level());
-        if steps_by { self.stepped(state, steps) } else { self.leapt(state, steps) }
+        if self.oscillates() && self.goes_by_steps() {
+            self.stepped(state, steps)
+        } else {
+            self.leapt(state, steps)
+        }
     }
 
     fn aboard(&self, state: &Self::State, _stuck: bool) -> Aboard {
@@ -261,8 +277,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
                     let meets = rate.value < 0.0 && (soon || twin);
                     meets.then_some(Place { distance: DoubleDouble::ZERO, rate, ..seen })
                 };
-                let across = place.measured_from(wall_of(place.side).opposite(), &self.masses[k]);
-                if let Some(touching) = [*place, across].into_iter().find_map(touches) {
+                let across = || {
+                    let two = self.masses[k].only.is_none();
+                    let opposite = wall_of(place.side).opposite();
+                    two.then(|| place.measured_from(opposite, &self.masses[k]))
+                };
+                let seen = [Some(*place), across()];
+                if let Some(touching) = seen.into_iter().flatten().find_map(touches) {
                     *place = touching;
                 }
             }

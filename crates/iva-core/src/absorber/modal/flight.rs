@@ -300,7 +300,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
         if begin.carried() {
             self.system.terms(&self.from, k)
         } else {
-            self.system.masses[k].clearance
+            self.system.masses[k].size_at(begin.distance.value)
         }
     }
 }

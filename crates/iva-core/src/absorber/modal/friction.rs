@@ -162,7 +162,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let least = (along * begin).min(along * end);
         // A speed is off the chord by h²/8 of its second derivative at most.
         let bent = length * length * third * 0.125;
-        let size = begin.abs() + end.abs() + self.masses[k].clearance;
+        let size = begin.abs() + end.abs() + self.masses[k].size_at(place.distance.value);
         least > bent + R::EPSILON * DOUBT * size
     }
 
@@ -181,8 +181,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if let Some((h, ends)) = flight.sure_end(ahead, length) {
             return Some(Slide { h, ends, undecided: 0 });
         }
-        let clearance = self.masses[k].clearance;
-        Some(first_end((flight, &speed), &flight.from, ahead, clearance, length))
+        let wide = self.masses[k].half_play();
+        Some(first_end((flight, &speed), &flight.from, ahead, wide, length))
     }
 
     /// The state in which the absorber at hand has stopped in its gap, and how much later it is.
@@ -196,7 +196,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let distance = place.distance.plus(place.rate.value * later * 0.5);
         let (rate, sliding) = (DoubleDouble::ZERO, R::ZERO);
         let at_rest = Place { distance, rate, held: true, sliding, ..after.places[k] };
-        let across = -distance.minus(mass.clearance * 2.0);
+        let across = -distance.minus(mass.half_play() * 2.0);
         let at_wall = |side: R| {
             let there = Place { side, distance: DoubleDouble::ZERO, held: false, ..at_rest };
             self.directed(k, &there)

@@ -258,9 +258,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                     let clear = (0..self.count()).all(|k| {
                         then[k] = self.sight(self.gap_shape(k), &lines[k], end, to);
                         let ends = [now[k].distance, then[k].distance];
-                        let clearance = self.masses[k].clearance;
-                        let size = clearance + now[k].size(&then[k], length);
-                        stays_clear_by(ends, clearance, size, fourths[k], length)
+                        let mass = &self.masses[k];
+                        let size = mass.size_at(ends[0][0]) + now[k].size(&then[k], length);
+                        stays_clear_by(ends, mass.half_play(), size, fourths[k], length)
                             && (self.friction[k] == 0.0
                                 || self.slides_on(k, &state.places[k], ends, [thirds[k], length]))
                     });

@@ -74,7 +74,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
 
     /// A structure alone is measured as it moves.
     fn sinusoidal(&self) -> Option<Sinusoidal> {
-        let logged = self.oscillates() && self.count() > 0 && self.is_level();
+        let logged = self.oscillates() && self.count() > 0 && self.goes_by_steps();
         self.host.sinusoidal().filter(|_| logged)
     }
 

@@ -48,6 +48,10 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             let Some(parameters) = parameters else { continue };
             let field = |name: &str| format!("absorber.{k}.{name}");
             let mass = &self.masses[k];
+            if mass.only.is_some() || self.on_ground(k) {
+                let rule = "a pendulum hangs from a point between two stops";
+                return Err(Invalid::new(field("walls"), "one", rule));
+            }
             let parameters = Parameters {
                 mass_ratio: mass.mass_ratio,
                 clearance: mass.clearance,

@@ -27,7 +27,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             return false;
         }
         let ends = [from, to].map(|place| [place.distance.value, place.rate.value]);
-        let wide = self.system.masses[k].clearance;
+        let wide = self.system.masses[k].half_play();
         stays_clear_by(ends, wide, self.size(k, end, length), self.fourth_of(3), length)
     }
 
@@ -39,7 +39,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         }
         let to = &end.places[k];
         let ends = [[from.distance.value, to.distance.value], [from.rate.value, to.rate.value]];
-        let (wide, size) = (self.system.masses[k].clearance, self.size(k, end, length));
+        let (wide, size) = (self.system.masses[k].half_play(), self.size(k, end, length));
         let (side, level) = only_contact(ends, wide, size, self.fourth_of(3), length)?;
         let [bend, end_bend] = [R::ZERO, length].map(|h| self.approach(k, h)[2]);
         let h = {
@@ -65,7 +65,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             velocities[j].value.abs().mul_add(length, places[j].value.abs())
         };
         let both = |j: usize| of(&self.from.modes, j) + of(&end.modes, j);
-        let clearance = self.system.masses[k].clearance;
+        let clearance = self.system.masses[k].size_at(self.from.places[k].distance.value);
         if self.system.hanging(k).is_some() {
             return clearance * 2.0;
         }

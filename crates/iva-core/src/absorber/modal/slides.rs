@@ -36,9 +36,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let [begin, end] = [R::ZERO, length].map(|h| self.approach(k, h));
         let speeds = [begin, end].map(|[_, rate, bend]| [along * rate, along * bend]);
         let [[speed, bend], [last, last_bend]] = speeds;
-        let wide = self.magnitude() * 2.0;
+        let wide = self.system.masses[k].half_play() * 2.0;
         let left = |distance: R| if ahead == Side::Near { distance } else { wide - distance };
-        let doubt = (wide + begin[1].abs() * length) * (R::EPSILON * DOUBT);
+        let doubt = (self.magnitude() * 2.0 + begin[1].abs() * length) * (R::EPSILON * DOUBT);
         let size = speed.abs() + last.abs() + self.system.terms(&self.from, k) * length;
         let fourth = self.fourth_of(4);
         if stays_clear_by(speeds, R::INFINITY, size, fourth, length) {

@@ -67,15 +67,16 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             velocities: start.velocities.map(DoubleDouble::new),
         };
         for (k, (mass, GapPoint { y, w })) in self.masses().iter().zip(start.gaps).enumerate() {
+            let size = mass.clearance + mass.offset.abs();
             if self.on_ground(k) {
                 let [u, _] = self.placed(k, &modes, GapPoint { y, w });
-                check_place("start.displacement", u.value, [mass.clearance, mass.offset])?;
+                check_place("start.displacement", u.value, mass.walls(), size)?;
                 continue;
             }
             let field = |name: &str| format!("start.{k}.{name}");
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
-            check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
+            check_place(&field("gap_displacement"), y, mass.walls(), size)?;
         }
         Ok(())
     }

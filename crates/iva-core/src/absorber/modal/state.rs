@@ -154,7 +154,8 @@ impl<R: Real> Place<R> {
     /// Gap displacement and gap velocity.
     pub(super) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {
         let d = mass.clearance;
-        let y = (self.side * (d - self.distance.value)).clamp(-d, d);
+        let within = (d - self.distance.value).min(d);
+        let y = self.side * within.max(-mass.half_play());
         GapPoint { y: mass.offset + y, w: -self.side * self.rate.value }
     }
 

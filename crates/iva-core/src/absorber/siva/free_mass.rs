@@ -18,6 +18,8 @@ pub struct FreeMass<R = f64> {
     pub(crate) clearance: R,
     /// The middle of the gap, as a value of y.
     pub(crate) offset: R,
+    /// The only wall, if there is one only.
+    pub(crate) only: Option<Wall>,
     /// The impact laws at wall + and at wall −.
     pub(crate) laws: [Law<R>; 2],
     /// The laws by which e depends on the approach speed there; `None` if e is constant at both walls. Then `laws` are those of
@@ -49,7 +51,7 @@ impl<R: Real> FreeMass<R> {
     /// [`FreeMass::new`] from checked parameters.
     pub(super) fn checked(mass_ratio: R, restitution: R, clearance: R) -> Self {
         let laws = [Law::new(mass_ratio, restitution); 2];
-        Self { mass_ratio, clearance, offset: R::ZERO, laws, varying: None }
+        Self { mass_ratio, clearance, offset: R::ZERO, only: None, laws, varying: None }
     }
 
     /// The same mass with another restitution at the wall −.
@@ -79,6 +81,33 @@ impl<R: Real> FreeMass<R> {
     pub fn with_offset(self, offset: R) -> Result<Self, Invalid> {
         range::size("absorber.gap_offset", offset)?;
         Ok(Self { offset, ..self })
+    }
+
+    /// The same mass with this wall only: on the other side nothing limits its way.
+    pub fn with_only(self, wall: Wall) -> Self {
+        Self { only: Some(wall), ..self }
+    }
+
+    /// Half of the way from wall to wall: d, or ∞ with one wall only.
+    #[inline(always)]
+    pub(crate) fn half_play(&self) -> R {
+        if self.only.is_none() { self.clearance } else { R::INFINITY }
+    }
+
+    /// Between which values of y it moves.
+    pub(crate) fn walls(&self) -> [R; 2] {
+        let [low, high] = [self.offset - self.clearance, self.offset + self.clearance];
+        match self.only {
+            None => [low, high],
+            Some(Wall::Plus) => [-R::INFINITY, high],
+            Some(Wall::Minus) => [low, R::INFINITY],
+        }
+    }
+
+    /// The size of a distance that is measured from a wall.
+    #[inline(always)]
+    pub(crate) fn size_at(&self, distance: R) -> R {
+        if self.only.is_none() { self.clearance } else { self.clearance + distance.abs() }
     }
 
     /// Mass ratio μ.
@@ -146,7 +175,8 @@ impl<R: Real> FreeMass<R> {
     ) -> (R, DoubleDouble<R>) {
         let place = y.plus(-self.offset);
         let seen = [place.value, w].into_iter().chain(leaning).find(|value| *value != 0.0);
-        let s = if seen.unwrap_or(R::ONE) > 0.0 { R::ONE } else { -R::ONE };
+        let nearest = if seen.unwrap_or(R::ONE) > 0.0 { R::ONE } else { -R::ONE };
+        let s = self.only.map_or(nearest, |wall| R::from(wall.sign()));
         let distance =
             DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
         let size = self.clearance + self.offset.abs();
@@ -155,19 +185,24 @@ impl<R: Real> FreeMass<R> {
     }
 }
 
-/// Checks that a gap displacement lies in a gap of this one-sided clearance, with its middle at this offset.
+/// Checks that a gap displacement lies between these walls, of which one may be at ∞; rounding is that of a number of this size.
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
 pub(crate) fn check_place<R: Real>(
     field: &str,
     y: R,
-    [clearance, offset]: [R; 2],
+    [low, high]: [R; 2],
+    size: R,
 ) -> Result<(), Invalid> {
-    let beyond = (y - offset).abs() - clearance;
-    if beyond > R::EPSILON * ON_WALL_ULPS * (clearance + offset.abs()) {
-        let [low, high] = [offset - clearance, offset + clearance].map(number);
-        let rule = format!("it must lie in the gap, from {low} to {high}");
+    if (low - y).max(y - high) > R::EPSILON * ON_WALL_ULPS * size {
+        let rule = match [low, high].map(|wall| wall.is_finite().then(|| number(wall))) {
+            [Some(low), Some(high)] => format!("it must lie in the gap, from {low} to {high}"),
+            [Some(low), None] => format!("it must lie before its stop, at {low} or above"),
+            [_, high] => {
+                format!("it must lie before its stop, at {} or below", high.unwrap_or_default())
+            }
+        };
         return Err(Invalid::new(field, number(y), rule));
     }
     Ok(())

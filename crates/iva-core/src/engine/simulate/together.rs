@@ -289,7 +289,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             };
             return Some(First { ending, at: h, undecided });
         }
-        let stretch = first_contact(flight, from, system.clearance_at_hand(from), length);
+        let wide = system.half_play_of(system.at_hand(from));
+        let stretch = first_contact(flight, from, wide, length);
         Some(of(&stretch, stretch.contact.map(Ending::Contact)))
     }
 

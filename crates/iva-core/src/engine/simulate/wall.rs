@@ -138,8 +138,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 return;
             }
             let length = flight.reach().min(first_search(leave.rate, -leave.curvature));
-            let stretch =
-                first_contact(&flight, &state, self.system.clearance_at_hand(&state), length);
+            let wide = self.system.half_play_of(self.system.at_hand(&state));
+            let stretch = first_contact(&flight, &state, wide, length);
             if stretch.contact != Some(Side::Near) {
                 return;
             }
