@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from iva.identification import Fit, identify
     from iva.measured import Measured
     from iva.optimisation import Optimum, optimise
-    from iva.parameters import Piva, Primary, Siva, Start
+    from iva.parameters import Piva, Primary, Siva, Start, Stop
     from iva.reading import read
     from iva.run_tables import Gradient, Verification
     from iva.scanning import Scan, scan
@@ -66,6 +66,7 @@ __all__ = [
     "Scan",
     "Siva",
     "Start",
+    "Stop",
     "Structure",
     "Table",
     "Units",
@@ -107,6 +108,7 @@ _HOMES = {
     "Scan": "scanning",
     "Siva": "parameters",
     "Start": "parameters",
+    "Stop": "parameters",
     "Structure": "structures",
     "Table": "tables",
     "Units": "units",

@@ -193,6 +193,8 @@ class Part:
             else:
                 object.__setattr__(self, name, number(path, value))
         checked(self)
+        if self._words:
+            _iva.check_choices(choices(self))  # type: ignore[arg-type]
 
     def __repr__(self) -> str:
         """Show what was given, as an expression that gives it again."""
@@ -410,6 +412,9 @@ class Siva(Part):
         Acceleration of gravity g > 0, of a motion that rises or of a mass that rubs; 9.80665 m/s²
         by default in SI units, needed in others. Nothing else depends on it: it is refused without
         inclination and friction.
+    walls : {"both", "plus", "minus"}, optional
+        ``"plus"`` for the wall at y = `gap_offset` + d alone, ``"minus"`` for that at
+        `gap_offset` − d alone: on the other side nothing limits the way of the mass.
 
     Raises
     ------
@@ -431,6 +436,7 @@ class Siva(Part):
 
     _part = "absorber"
     _kind = "siva"
+    _words = ("walls",)
     _tables = ("restitution_table",)
 
     mass_ratio: float | None = None
@@ -462,6 +468,86 @@ class Siva(Part):
     inclination_deg: float | None = None
     gravity: float | None = None
     spring_ratio: float | None = None
+    walls: Literal["both", "plus", "minus"] = "both"
+
+
+@spell_checked
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Stop(Part):
+    """A stop on the ground, between whose walls a point of the structure moves.
+
+    It has no mass: the ground, or the base where that moves, takes what impulse it needs. The gap
+    displacement is that of the point itself, u, and its walls are met at u = ±d (or `gap_offset`
+    ± d). A point that is pressed on a wall stays there at rest until it is pulled off. Alone or in
+    a list, beside absorbers, on a primary system or at any point of a :class:`Structure`. With one
+    of the `walls` it is the stop of the impact oscillator.
+
+    Parameters
+    ----------
+    restitution : float
+        Newton's coefficient e on the velocity of the point, from 0 (plastic) to 1 (elastic).
+    restitution_minus : float, optional
+        The same at the wall u = −d, if it is another there.
+    reference_speed, restitution_exponent, yield_speed, restitution_table : optional
+        Laws by which the restitution depends on the approach speed, as of :class:`Siva`.
+    relative_clearance : float, optional
+        γ > 0, clearance over the size of the start displacement. One of the five ways to give the
+        clearance is needed.
+    clearance : float, optional
+        One-sided clearance d > 0, half of the way from wall to wall, in the unit of lengths.
+    clearance_mm : float, optional
+        The same in mm; SI units only.
+    gap : float, optional
+        2d > 0, in the unit of lengths.
+    gap_mm : float, optional
+        The same in mm; SI units only.
+    gap_offset : float, optional
+        Displacement of the middle between the walls, 0 by default: they are at this ± d.
+    gap_offset_mm : float, optional
+        The same in mm; SI units only.
+    contact_time : float, optional
+        How long an impact lasts, for an estimate of the largest force: ``peak_force_estimate``. The
+        motion does not depend on it.
+    walls : {"both", "plus", "minus"}, optional
+        ``"plus"`` for the wall at u = `gap_offset` + d alone, ``"minus"`` for that at
+        `gap_offset` − d alone.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is out of range, or two set the same quantity.
+
+    Examples
+    --------
+    The impact oscillator with a stop at 1.5:
+
+    >>> Stop(clearance=1.5, restitution=0.8, walls="plus")
+    Stop(restitution=0.8, clearance=1.5, walls='plus')
+    """
+
+    _part = "absorber"
+    _kind = "stop"
+    _words = ("walls",)
+    _tables = ("restitution_table",)
+
+    restitution: float | None = None
+    restitution_minus: float | None = None
+    reference_speed: float | None = None
+    restitution_exponent: float | None = None
+    yield_speed: float | None = None
+    # An array, which is no Sequence, or any other pairs.
+    restitution_table: Any = None
+    relative_clearance: float | None = None
+    clearance: float | None = None
+    clearance_mm: float | None = None
+    gap: float | None = None
+    gap_mm: float | None = None
+    gap_offset: float | None = None
+    gap_offset_mm: float | None = None
+    contact_time: float | None = None
+    walls: Literal["both", "plus", "minus"] = "both"
 
 
 @spell_checked
@@ -597,16 +683,11 @@ class Piva(Part):
     angles: Literal["large", "small"] = "large"
     impact_law: Literal["consistent", "printed"] = "consistent"
 
-    def __post_init__(self) -> None:
-        """Check numbers and words."""
-        Part.__post_init__(self)
-        _iva.check_choices(choices(self))
 
-
-#: An absorber of any kind.
-Absorber = Siva | Piva
+#: An absorber of any kind, or a stop on the ground.
+Absorber = Siva | Piva | Stop
 #: One absorber or several.
-Absorbers = Siva | Piva | Sequence[Siva | Piva]
+Absorbers = Absorber | Sequence[Absorber]
 
 
 def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
@@ -614,7 +695,8 @@ def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
     if absorber is None:
         return [("kind", "none")]
     words = [(name, getattr(absorber, name)) for name in absorber._words]
-    return [("kind", absorber._kind), *words]
+    # Both walls need no word.
+    return [("kind", absorber._kind), *(one for one in words if one != ("walls", "both"))]
 
 
 @spell_checked

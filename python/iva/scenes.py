@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from iva.forces import Force, Harmonic, Impulse, Recorded, fields_of, listed
-from iva.parameters import Absorber, Piva, Primary, Siva, Start, shown, spec
+from iva.parameters import Absorber, Piva, Primary, Siva, Start, Stop, shown, spec
 from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -92,7 +92,7 @@ def absorbers(given: Absorber | Sequence[Absorber] | None) -> tuple[Absorber | N
 
 def wanted(several: bool) -> str:
     """Return what a scene takes as its absorber."""
-    one = "an iva.Siva, an iva.Piva"
+    one = "an iva.Siva, an iva.Piva, an iva.Stop"
     return f"{one}, a list of them or None" if several else f"{one} or None"
 
 
@@ -110,7 +110,7 @@ def fits(absorbers: Sequence[object]) -> None:
         raise ValueError(f"absorber = {shown(absorbers)}: give {wanted(several=True)}")
     for place, one in enumerate(absorbers):
         if not isinstance(one, Absorber):
-            raise TypeError(f"absorber[{place}] = {shown(one)}: give an iva.Siva or an iva.Piva")
+            raise TypeError(f"absorber[{place}] = {shown(one)}: give an iva.Siva, an iva.Piva or an iva.Stop")
 
 
 def checked_lists(absorber: object, start: Start) -> None:
@@ -172,10 +172,9 @@ def primary_of(made: Spec, fields: Mapping[str, Any]) -> Primary | Structure:
 def absorber_of(words: Mapping[str, Any]) -> Absorber | None:
     """Return the absorber of its fields."""
     kind = words.get("kind", Siva._kind)
-    if kind == Piva._kind:
-        return Piva(**{name: value for name, value in words.items() if name != "kind"})
-    numbers = {name: value for name, value in words.items() if not isinstance(value, str)}
-    return Siva(**numbers) if kind == Siva._kind else None
+    fields = {name: value for name, value in words.items() if name != "kind"}
+    kinds: dict[str, type[Absorber]] = {one._kind: one for one in (Siva, Piva, Stop)}
+    return kinds[kind](**fields) if kind in kinds else None
 
 
 def force_of(fields: Mapping[str, Any]) -> Force:

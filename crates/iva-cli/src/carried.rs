@@ -7,7 +7,8 @@ use iva_sweep::structure::Entry;
 
 /// A sentence on each start velocity that absorbers share, as `print(run)` of the Python package has it.
 pub(crate) fn carried_along(spec: &Spec) -> Vec<String> {
-    let absorbers = (0..spec.count()).filter(|it| spec.choices_of(*it).kind != Kind::None);
+    let absorbers = (0..spec.count())
+        .filter(|it| !matches!(spec.choices_of(*it).kind, Kind::Stop | Kind::None));
     let of_its_own = [FieldId::GapVelocity, FieldId::AngularVelocity];
     let (mut count, mut is_given) = (0, false);
     for absorber in absorbers {

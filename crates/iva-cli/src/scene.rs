@@ -143,6 +143,7 @@ fn absorber(
     let name = match kind {
         Kind::Siva => "free mass",
         Kind::Piva => "pendulum",
+        Kind::Stop => "stop on the ground",
         Kind::None => return "Absorber: none".to_owned(),
     };
     let of = |value: fn(Absorber) -> f64| extent(units.values(value));
@@ -164,11 +165,13 @@ fn absorber(
         _ => [format!(" {}", units.absorber), format!(", clearance {}", of(|it| it.clearance))],
     };
     let divided = if divided == "1" { String::new() } else { format!(" in {divided} units") };
-    let mass = match at {
-        Some(point) => format!("{mass} kg at {point}"),
-        None => format!("mass ratio {mass}"),
+    let mass = match (at, kind) {
+        (Some(point), Kind::Stop) => format!(" at {point}"),
+        (None, Kind::Stop) => String::new(),
+        (Some(point), _) => format!(", {mass} kg at {point}"),
+        (None, _) => format!(", mass ratio {mass}"),
     };
-    format!("Absorber{which}: {name}{divided}, {mass}, restitution {restitution}{minus}{clearance}")
+    format!("Absorber{which}: {name}{divided}{mass}, restitution {restitution}{minus}{clearance}")
 }
 
 /// The unit of a length behind its value, if it has one.

@@ -1,5 +1,6 @@
 //! The choices that a user makes by a word: the kind of absorber, or none, and the model of a pendulum.
 
+use iva_core::absorber::Wall;
 use iva_core::error::Invalid;
 pub use iva_core::piva::{Angles, ImpactLaw};
 
@@ -13,19 +14,48 @@ pub enum Kind {
     Siva,
     /// A pendulum between two stops.
     Piva,
+    /// A stop on the ground, between whose walls a point of the structure moves.
+    Stop,
     /// No absorber: the structure alone.
     None,
 }
 
+/// The walls that there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Walls {
+    /// Both of them.
+    #[default]
+    Both,
+    /// That at the upper end of the gap only.
+    Plus,
+    /// That at the lower end of the gap only.
+    Minus,
+}
+
+impl Walls {
+    /// Every choice, in the order of its words.
+    const ALL: [Walls; 3] = [Walls::Both, Walls::Plus, Walls::Minus];
+
+    /// The only wall, if there is one only.
+    pub(crate) fn only(self) -> Option<Wall> {
+        match self {
+            Walls::Both => None,
+            Walls::Plus => Some(Wall::Plus),
+            Walls::Minus => Some(Wall::Minus),
+        }
+    }
+}
+
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 3] = [Kind::Siva, Kind::Piva, Kind::None];
+    pub const ALL: [Kind; 4] = [Kind::Siva, Kind::Piva, Kind::Stop, Kind::None];
 
     /// The word for it in studies.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Siva => "siva",
             Kind::Piva => "piva",
+            Kind::Stop => "stop",
             Kind::None => "none",
         }
     }
@@ -35,6 +65,7 @@ impl Kind {
         match self {
             Kind::Siva => "a free mass (kind \"siva\")",
             Kind::Piva => "a pendulum (kind \"piva\")",
+            Kind::Stop => "a stop on the ground (kind \"stop\")",
             Kind::None => "a structure without absorber (kind \"none\")",
         }
     }
@@ -59,12 +90,12 @@ pub struct Choice {
 }
 
 /// The table of choices.
-pub static CHOICES: [Choice; 3] = [
+pub static CHOICES: [Choice; 4] = [
     Choice {
         name: "kind",
-        words: &["siva", "piva", "none"],
+        words: &["siva", "piva", "stop", "none"],
         kinds: &Kind::ALL,
-        help: "a free mass in a gap, a pendulum between two stops, or no absorber",
+        help: "a free mass in a gap, a pendulum between two stops, a stop on the ground, or no absorber",
     },
     Choice {
         name: "angles",
@@ -78,6 +109,12 @@ pub static CHOICES: [Choice; 3] = [
         kinds: &[Kind::Piva],
         help: "momentum and restitution, or the paper's Eqs. 16 and 17 as printed, for comparison",
     },
+    Choice {
+        name: "walls",
+        words: &["both", "plus", "minus"],
+        kinds: &[Kind::Siva, Kind::Stop],
+        help: "both walls of the gap, or that at its upper or lower end only",
+    },
 ];
 
 /// The words chosen.
@@ -89,6 +126,8 @@ pub struct Choices {
     pub angles: Angles,
     /// The impact law of a pendulum.
     pub impact_law: ImpactLaw,
+    /// The walls of a free mass, or of a stop on the ground.
+    pub walls: Walls,
 }
 
 impl Choices {
@@ -109,8 +148,10 @@ impl Choices {
             let words: Vec<String> = choice.words.iter().map(|w| format!("\"{w}\"")).collect();
             return Err(Invalid::new(path, shown, format!("give {}", words.join(" or "))));
         }
-        let first = word == choice.words[0];
+        let place = choice.words.iter().position(|known| *known == word).unwrap_or(0);
+        let first = place == 0;
         match name {
+            "walls" => self.walls = Walls::ALL[place],
             "kind" => self.kind = Kind::from_name(word).unwrap_or_default(),
             "angles" => self.angles = if first { Angles::Large } else { Angles::Small },
             _ => {
@@ -120,21 +161,23 @@ impl Choices {
         Ok(())
     }
 
-    /// Name and word of every choice that the chosen kind has.
+    /// Name and word of every choice that the chosen kind has; walls if there is one only.
     pub fn words(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let of = |index: usize, first: bool| {
+        let of = |index: usize, place: usize| {
             let choice = &CHOICES[index];
-            (choice.name, choice.words[usize::from(!first)])
+            (choice.name, choice.words[place])
         };
         let all = [
             ("kind", self.kind.name()),
-            of(1, self.angles == Angles::Large),
-            of(2, self.impact_law == ImpactLaw::Consistent),
+            of(1, usize::from(self.angles != Angles::Large)),
+            of(2, usize::from(self.impact_law != ImpactLaw::Consistent)),
+            of(3, self.walls as usize),
         ];
         let kind = self.kind;
-        all.into_iter()
-            .zip(&CHOICES)
-            .filter_map(move |(word, choice)| choice.kinds.contains(&kind).then_some(word))
+        let told = |word: &str| word != CHOICES[3].words[0];
+        let each = all.into_iter().zip(&CHOICES);
+        each.filter(move |((_, word), choice)| choice.kinds.contains(&kind) && told(word))
+            .map(|(word, _)| word)
     }
 }
 
@@ -142,6 +185,8 @@ impl Choices {
 pub(crate) fn only(kinds: &[Kind]) -> String {
     match kinds {
         [kind] => format!("only {} has it; leave it out", kind.what()),
-        _ => "there is no absorber (kind \"none\"); leave it out".to_owned(),
+        [.., Kind::Stop] => "there is no absorber (kind \"none\"); leave it out".to_owned(),
+        _ => "only an absorber with a mass (kind \"siva\" or \"piva\") has it; leave it out"
+            .to_owned(),
     }
 }

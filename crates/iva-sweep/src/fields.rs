@@ -254,19 +254,19 @@ fields! {
     PrimaryMass: Primary "mass" Mass Positive "mass" "mass M of the primary system";
     MassRatio: Absorber "mass_ratio" Ratio MassRatio "mass" "absorber mass over primary mass" Siva Piva;
     AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass" Siva Piva;
-    Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity" Siva Piva;
-    RestitutionMinus: Absorber "restitution_minus" Ratio UnitInterval "restitution_minus" "the same at the wall -, the lower stop where the line of motion rises (default: restitution)" Siva Piva;
-    ReferenceSpeed: Absorber "reference_speed" Velocity Positive "reference_speed" "makes the restitution a power law of the approach speed: that at which it is restitution" Siva Piva;
-    RestitutionExponent: Absorber "restitution_exponent" Ratio Exponent "restitution_exponent" "b of a power law 1 - a u^b of the restitution (default 0.2)" Siva Piva;
-    YieldSpeed: Absorber "yield_speed" Velocity Positive "restitution" "makes the restitution that of plastic spheres, in place of restitution: approach speed up to which impacts are elastic" Siva Piva;
-    RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva;
-    Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva;
-    ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva;
-    Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance" Siva Piva;
-    GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm" Siva Piva;
-    GapOffset: Absorber "gap_offset" Length Size "gap_offset" "gap displacement of the middle of the gap: the stops are at gap_offset ± clearance (default 0)" Siva Piva;
-    GapOffsetMm: Absorber "gap_offset_mm" Millimetre Size "gap_offset" "the same in mm" Siva Piva;
-    ContactTime: Absorber "contact_time" Time Positive "contact_time" "how long an impact lasts, to estimate its largest force; the motion does not depend on it" Siva Piva;
+    Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity" Siva Piva Stop;
+    RestitutionMinus: Absorber "restitution_minus" Ratio UnitInterval "restitution_minus" "the same at the wall -, the lower stop where the line of motion rises (default: restitution)" Siva Piva Stop;
+    ReferenceSpeed: Absorber "reference_speed" Velocity Positive "reference_speed" "makes the restitution a power law of the approach speed: that at which it is restitution" Siva Piva Stop;
+    RestitutionExponent: Absorber "restitution_exponent" Ratio Exponent "restitution_exponent" "b of a power law 1 - a u^b of the restitution (default 0.2)" Siva Piva Stop;
+    YieldSpeed: Absorber "yield_speed" Velocity Positive "restitution" "makes the restitution that of plastic spheres, in place of restitution: approach speed up to which impacts are elastic" Siva Piva Stop;
+    RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva Stop;
+    Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva Stop;
+    ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva Stop;
+    Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance" Siva Piva Stop;
+    GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm" Siva Piva Stop;
+    GapOffset: Absorber "gap_offset" Length Size "gap_offset" "gap displacement of the middle of the gap (of a stop on the ground: displacement of its point): the stops are at gap_offset ± clearance (default 0)" Siva Piva Stop;
+    GapOffsetMm: Absorber "gap_offset_mm" Millimetre Size "gap_offset" "the same in mm" Siva Piva Stop;
+    ContactTime: Absorber "contact_time" Time Positive "contact_time" "how long an impact lasts, to estimate its largest force; the motion does not depend on it" Siva Piva Stop;
     ContactStiffness: Absorber "contact_stiffness" Stiffness Positive "contact_time" "stiffness of a stop, to estimate how long an impact lasts; needs a primary mass" Siva Piva;
     Units: Absorber "units" Count Units "units" "number of equal units that share the mass, each in a gap of its own (default 1)" Siva Piva;
     ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva Piva;
@@ -305,7 +305,7 @@ fields! {
     Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;
     AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
     StartTime: Start "time" Time NonNegative "time" "instant at which the run begins, on the clock of the forces (default 0)";
-    Reference: Start "reference" Length Size "reference" "displacement that relative_clearance is a multiple of (default: displacement)" Siva Piva;
+    Reference: Start "reference" Length Size "reference" "displacement that relative_clearance is a multiple of (default: displacement)" Siva Piva Stop;
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
     Duration: Run "duration" Time Positive "duration" "length of the run as a time";
     Cycles: Run "cycles" Ratio Positive "duration" "length of the run in cycles of the harmonic force (of several, the first)";
@@ -313,7 +313,7 @@ fields! {
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
     MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
     Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "0 (default): full accuracy; above 0: a free mass under a harmonic force in the fast tier, a pendulum in steps that leave out so much" Siva Piva;
-    ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva;
+    ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva Stop;
 }
 
 /// For each field the index of the first field that sets the same quantity. Computed at compile time, because

@@ -377,7 +377,7 @@ impl Spec {
         let weighs = match self.choices_of(absorber).kind {
             Kind::Siva => true,
             Kind::Piva => self.get_of(absorber, FieldId::FrequencyRatio).is_none(),
-            Kind::None => false,
+            Kind::Stop | Kind::None => false,
         };
         let standard = weighs && self.units()? == UnitSystem::Si;
         Ok(standard.then_some(STANDARD_GRAVITY))

@@ -62,6 +62,10 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     if (count := sum(path.endswith(".kind") for path in spec)) > 1:
         rule = "the explorer shows one absorber; give one of them"
         raise ValueError(f"absorber = a list of {count}: {rule}")
+    if spec.get("absorber.kind") == "stop":
+        raise ValueError('absorber.kind = "stop": the explorer shows an absorber; give one')
+    if "absorber.walls" in spec:
+        raise ValueError("absorber.walls: the explorer shows a gap with two walls; leave it out")
     # Of a pendulum it is a spring in the pivot, which the page has.
     swings = spec.get("absorber.kind") == "piva"
     of_mass = {} if swings else {"absorber.spring_ratio": (0.0, NO_SPRING)}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from iva import _iva
 from iva.identification.fits import Fit
 from iva.own_files import replacing
-from iva.parameters import Piva, given
+from iva.parameters import choices, given
 
 if TYPE_CHECKING:
     import polars as pl
@@ -56,9 +56,7 @@ def study(fit: Fit, record: str) -> str:
     if fit.absorber is None:
         lines.append('kind = "none"')
     else:
-        lines.append(f'kind = "{fit.absorber._kind}"')
-        if isinstance(fit.absorber, Piva):
-            lines += [f'{word} = "{getattr(fit.absorber, word)}"' for word in fit.absorber._words]
+        lines += [f'{name} = "{word}"' for name, word in choices(fit.absorber)]
         lines += [f"{name} = {value!r}" for name, value in given(fit.absorber).items()]
     for part in (fit.primary, fit.start):
         lines += ["", f"[{part._part}]"]

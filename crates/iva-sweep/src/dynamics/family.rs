@@ -11,7 +11,7 @@ use iva_core::piva::Piva;
 use iva_core::siva::Siva;
 
 use super::InDoubles;
-use crate::choices::Kind;
+use crate::choices::{Choices, Kind};
 use crate::design::{Design, Spec};
 use crate::engine::given::Given;
 use crate::engine::ties;
@@ -156,9 +156,14 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
         return Err(Invalid::new("structure", "several modes", rule));
     }
-    if spec.choices().kind == Kind::None {
+    let Choices { kind, walls, .. } = spec.choices();
+    if matches!(kind, Kind::None | Kind::Stop) {
         let rule = "an orbit is one of an absorber; give a free mass or a pendulum";
-        return Err(Invalid::new("absorber.kind", Kind::None.name(), rule));
+        return Err(Invalid::new("absorber.kind", kind.name(), rule));
+    }
+    if walls.only().is_some() {
+        let rule = "orbits are those between two walls; leave it out";
+        return Err(Invalid::new("absorber.walls", "one", rule));
     }
     if let Some(units) = spec.get(FieldId::Units).filter(|units| *units > 1.0) {
         let rule = "orbits are those of one absorber of one unit; leave it out";

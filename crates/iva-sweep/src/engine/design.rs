@@ -238,7 +238,7 @@ impl<R: Real> Given<'_, R> {
                 let system = system.under(force);
                 Ok(Scene::Piva(Box::new(Mounted { system, start, gravity })))
             }
-            Kind::None => modal::on_primary(self, start, force, scale, units),
+            Kind::Stop | Kind::None => modal::on_primary(self, start, force, scale, units),
         }
     }
 
@@ -299,7 +299,7 @@ impl<R: Real> Given<'_, R> {
         }
     }
 
-    fn clearance(&self, displacement: R, units: UnitSystem) -> Result<R, Invalid> {
+    pub(super) fn clearance(&self, displacement: R, units: UnitSystem) -> Result<R, Invalid> {
         let alternatives = [
             FieldId::RelativeClearance,
             FieldId::Clearance,

@@ -16,7 +16,7 @@ use super::scale::Scale;
 use super::scene::{EVERY_SCENE, Mounted, Scene};
 use super::several::{self, Member};
 use super::ties;
-use crate::choices::Kind;
+use crate::choices::{Choices, Kind};
 use crate::error::{Invalid, number};
 use crate::fields::{FieldId, FieldId as F, Part};
 use crate::forces::RecordKind;
@@ -58,7 +58,8 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// friction, in a list an inclination, and for a pendulum an offset of its gap or a restitution that depends on the speed.
+/// friction, in a list an inclination, for a pendulum an offset of its gap or a restitution that depends on the speed, one wall only, and a stop on the
+/// ground.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
     let of_pendulum = [F::GapOffset, F::GapOffsetMm, F::ReferenceSpeed, F::YieldSpeed];
     let pendulums = || {
@@ -73,7 +74,13 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
             Some((own.path(*field), value.filter(|value| *value != 0.0)?))
         })
     });
-    ties::given(given).or(on_pendulum).or(table).or_else(|| {
+    let of_words = (0..given.spec.count()).find_map(|absorber| {
+        let Choices { kind, walls, .. } = given.spec.choices_of(absorber);
+        let word = if *kind == Kind::Stop { "kind" } else { "walls" };
+        let of_modes = *kind == Kind::Stop || walls.only().is_some();
+        of_modes.then(|| (format!("{}.{word}", Part::Absorber.name()), 0.0))
+    });
+    ties::given(given).or(on_pendulum).or(table).or(of_words).or_else(|| {
         let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
         let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
         let mut masses = masses.filter(|own| own.choices().kind == Kind::Siva);
@@ -182,7 +189,8 @@ fn mounted<R: Real>(
     force: Force<R>,
 ) -> Result<Scene<R>, Invalid> {
     let tied = riding.ties.iter().filter(|tie| **tie != Tie::NONE).count();
-    let few = riding.masses.len() <= FEW && modes.count() + tied <= FEW;
+    let stops = riding.masses.iter().filter(|(mass, _)| mass.mass_ratio() == 0.0).count();
+    let few = riding.masses.len() <= FEW && modes.count() + tied + stops <= FEW;
     if R::FAST_PATHS && (few || !EVERY_SCENE) {
         let few = with_room(given, modes, riding, begin, points, force)?;
         return Ok(Scene::FewModes(Box::new(few)));

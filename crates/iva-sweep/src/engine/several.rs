@@ -47,6 +47,9 @@ pub(super) fn each<R: Real>(
             let hanging = Some(hanging);
             return take(given.absorber, Member { mass, hanging, gap, weight: None });
         }
+        if given.choices().kind == Kind::Stop {
+            return take(given.absorber, Member { mass, hanging: None, gap, weight: None });
+        }
         let weight = free_mass::weight(given, scale)?;
         if weight.is_some_and(|weight| weight.along != 0.0) {
             let lower_stop = mass.offset() - mass.clearance();
@@ -173,10 +176,18 @@ pub(super) fn mass<R: Real>(
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<FreeMass<R>, Invalid> {
-    let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
-    let [mass_ratio, clearance] = shared(given, unit, [mass_ratio, clearance])?;
-    let mut mass = FreeMass::new(mass_ratio, restitution, clearance)?;
+    let mut mass = if given.choices().kind == Kind::Stop {
+        let clearance = given.clearance(given.displacement(units)?, units)?;
+        FreeMass::on_ground(restitution::restitution(given)?, clearance)?
+    } else {
+        let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
+        let [mass_ratio, clearance] = shared(given, unit, [mass_ratio, clearance])?;
+        FreeMass::new(mass_ratio, restitution, clearance)?
+    };
+    if let Some(wall) = given.choices().walls.only() {
+        mass = mass.with_only(wall);
+    }
     if let Some(offset) = offset {
         mass = mass.with_offset(offset)?;
     }
