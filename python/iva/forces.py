@@ -31,11 +31,17 @@ class Harmonic(Part):
     Parameters
     ----------
     amplitude : float, optional
-        Amplitude of f/M, an acceleration. One of the three amplitudes is needed.
+        Amplitude of f/M, an acceleration. One of the amplitudes is needed.
     force : float, optional
         Amplitude of f in N; needs a primary mass.
     base_acceleration : float, optional
         Amplitude of the acceleration of the base.
+    base_velocity : float, optional
+        Amplitude V of the velocity of the base, V cos(Ωt + phase), in its place.
+    base_displacement : float, optional
+        Amplitude X of its displacement, X cos(Ωt + phase): a table that moves as told.
+    base_displacement_mm : float, optional
+        The same in mm; SI units only.
     frequency : float, optional
         Ω > 0 in rad/s (in ωn where no frequency is given). One of the three frequencies is needed.
     relative_frequency : float, optional
@@ -63,6 +69,9 @@ class Harmonic(Part):
     amplitude: float | None = None
     force: float | None = None
     base_acceleration: float | None = None
+    base_velocity: float | None = None
+    base_displacement: float | None = None
+    base_displacement_mm: float | None = None
     frequency: float | None = None
     relative_frequency: float | None = None
     frequency_hz: float | None = None

@@ -110,7 +110,8 @@ def fits(absorbers: Sequence[object]) -> None:
         raise ValueError(f"absorber = {shown(absorbers)}: give {wanted(several=True)}")
     for place, one in enumerate(absorbers):
         if not isinstance(one, Absorber):
-            raise TypeError(f"absorber[{place}] = {shown(one)}: give an iva.Siva, an iva.Piva or an iva.Stop")
+            rule = "give an iva.Siva, an iva.Piva or an iva.Stop"
+            raise TypeError(f"absorber[{place}] = {shown(one)}: {rule}")
 
 
 def checked_lists(absorber: object, start: Start) -> None:

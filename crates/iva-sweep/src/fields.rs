@@ -287,6 +287,9 @@ fields! {
     Amplitude: Force "amplitude" Acceleration Size "amplitude" "amplitude of the force over the primary mass, f/M";
     ForceAmplitude: Force "force" Force Size "amplitude" "amplitude of the force on the primary; needs a mass";
     BaseAcceleration: Force "base_acceleration" Acceleration Size "amplitude" "amplitude of the acceleration of the base, instead of a force";
+    BaseVelocity: Force "base_velocity" Velocity Size "amplitude" "amplitude of the velocity of the base";
+    BaseDisplacement: Force "base_displacement" Length Size "amplitude" "amplitude of the displacement of the base";
+    BaseDisplacementMm: Force "base_displacement_mm" Millimetre Size "amplitude" "the same in mm";
     ForceFrequency: Force "frequency" AngularFrequency Positive "frequency" "angular frequency of the force";
     RelativeFrequency: Force "relative_frequency" Ratio Positive "frequency" "frequency of the force over that of the bare primary system";
     ForceFrequencyHz: Force "frequency_hz" Hertz Positive "frequency" "frequency of the force in Hz";

@@ -160,29 +160,68 @@ impl<R: Real> Reader<'_, R> {
     }
 
     fn harmonic(&self) -> Result<Harmonic<R>, Invalid> {
-        let (amplitude, acts) = self.amplitude()?;
         let phase = self.get(FieldId::Phase).unwrap_or(R::ZERO);
-        Ok(Harmonic { amplitude, frequency: self.frequency()?, phase, acts })
+        let given = self.amplitude()?;
+        let frequency = self.frequency()?;
+        let (amplitude, phase, acts) = match given {
+            Some((amplitude, acts)) => (amplitude, phase, acts),
+            None => {
+                let (amplitude, later) = self.of_moved_base(frequency)?;
+                (amplitude, phase + later, Acts::Base)
+            }
+        };
+        Ok(Harmonic { amplitude, frequency, phase, acts })
     }
 
-    fn amplitude(&self) -> Result<(R, Acts), Invalid> {
+    /// The amplitude of the acceleration of a base whose velocity V cos(Ωt + φ) or displacement X cos(Ωt + φ) is given, and by how much its phase is ahead of φ:
+    /// ΩV and a quarter of a turn, or −Ω²X.
+    fn of_moved_base(&self, frequency: R) -> Result<(R, R), Invalid> {
+        if let Some(velocity) = self.get(FieldId::BaseVelocity) {
+            let natural = self.scale.natural_frequency;
+            return Ok((velocity / natural * frequency, R::TURN.value * 0.25));
+        }
+        let field = FieldId::BaseDisplacementMm;
+        let displacement = match (self.get(FieldId::BaseDisplacement), self.get(field)) {
+            (Some(length), _) => length,
+            (None, Some(length)) if self.units == UnitSystem::Si => length / 1000.0,
+            (None, length) => {
+                let rule = "in mm it needs primary.mass with stiffness or natural_frequency; give base_displacement";
+                return Err(Invalid::new(
+                    self.path(field),
+                    length.map_or(String::new(), number),
+                    rule,
+                ));
+            }
+        };
+        Ok((-(displacement * frequency * frequency), R::ZERO))
+    }
+
+    /// The amplitude of a force or of an acceleration of the base; `None` of another motion of the base.
+    fn amplitude(&self) -> Result<Option<(R, Acts)>, Invalid> {
         let fields = [FieldId::Amplitude, FieldId::ForceAmplitude, FieldId::BaseAcceleration];
-        self.at_most_one(&fields)?;
+        let moved = [FieldId::BaseVelocity, FieldId::BaseDisplacement, FieldId::BaseDisplacementMm];
+        let [a, b, c] = fields;
+        let [d, e, f] = moved;
+        self.at_most_one(&[a, b, c, d, e, f])?;
+        if moved.iter().any(|field| self.get(*field).is_some()) {
+            return Ok(None);
+        }
         let [acceleration, force, base] = fields.map(|field| self.get(field));
         if let Some(acceleration) = acceleration {
-            return Ok((acceleration / self.stiffness(), Acts::Primary));
+            return Ok(Some((acceleration / self.stiffness(), Acts::Primary)));
         }
         if let Some(base) = base {
-            return Ok((base / self.stiffness(), Acts::Base));
+            return Ok(Some((base / self.stiffness(), Acts::Base)));
         }
         let Some(force) = force else {
             return Err(Invalid::missing(
                 self.path(FieldId::Amplitude),
-                "give amplitude (f/M), force (N, needs a mass) or base_acceleration",
+                "give amplitude (f/M), force (N, needs a mass), or base_acceleration, base_velocity or base_displacement",
             ));
         };
         let name = self.path(FieldId::ForceAmplitude);
-        Ok((self.per_mass(&name, force, "amplitude (f/M)")? / self.stiffness(), Acts::Primary))
+        let force = self.per_mass(&name, force, "amplitude (f/M)")?;
+        Ok(Some((force / self.stiffness(), Acts::Primary)))
     }
 
     fn frequency(&self) -> Result<R, Invalid> {

@@ -51,6 +51,10 @@ pub(crate) fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     if kind == Kind::Piva {
         fields.push((F::Length, 0.4));
     }
+    if kind == Kind::Stop {
+        // Its point begins between its walls.
+        fields.push((F::GapOffset, 0.006));
+    }
     if rises {
         fields.extend([(F::InclinationDeg, 20.0), (F::Gravity, 9.81)]);
     }
@@ -79,8 +83,12 @@ pub(crate) fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
 
 /// Gives what a field needs beside it.
 pub(crate) fn complete(spec: &mut Spec, field: FieldId) {
-    if field == FieldId::RestitutionExponent && spec.choices().kind == Kind::Siva {
+    let kind = spec.choices().kind;
+    if field == FieldId::RestitutionExponent && matches!(kind, Kind::Siva | Kind::Stop) {
         spec.set(FieldId::ReferenceSpeed, 0.5).unwrap();
+    }
+    if matches!(field, FieldId::GapOffset | FieldId::GapOffsetMm) && kind == Kind::Stop {
+        spec.set(FieldId::Displacement, 0.003).unwrap();
     }
     if field == FieldId::StaticFriction && spec.choices().kind == Kind::Siva {
         spec.set(FieldId::Friction, 0.1).unwrap();
@@ -124,6 +132,9 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::InclinationDeg => 40.0,
         F::InertiaRatio | F::RelativeFrequency | F::RecordScale => 1.1,
         F::Amplitude | F::BaseAcceleration => 2.0,
+        F::BaseVelocity => 0.07,
+        F::BaseDisplacement => 0.002,
+        F::BaseDisplacementMm => 2.0,
         F::ForceAmplitude => 200.0,
         F::Phase => 0.3,
         F::ImpulseVelocity | F::StartImpulseVelocity | F::Velocity => 0.1,
