@@ -96,7 +96,7 @@ def simulated(of: Chain, v0: Array, duration: float) -> iva.Run:
         start_velocities=(shapes.T @ v0).tolist(),
     )
     absorber = iva.Siva(mass=of.mass, clearance=of.clearance, restitution=of.restitution)
-    return iva.simulate([absorber] * of.count, structure, duration=duration)
+    return iva.simulate([absorber] * of.count, structure, start=iva.Start(), duration=duration)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
     )
     stop = iva.Stop(clearance_mm=4.0, gap_offset_mm=1.0, restitution=0.7)
     mass = iva.Siva(mass=0.4, clearance_mm=3.0, restitution=0.6)
-    run = iva.simulate([stop, mass], structure, duration=3.0, verify=True)
+    run = iva.simulate([stop, mass], structure, start=iva.Start(), duration=3.0, verify=True)
     assert run.verification.findings["rows"].equals(run.verification.findings["alike"])
     struck = run.impacts.filter(pl.col("absorber") == 0)
     assert struck.height > 5
@@ -194,14 +194,22 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
             lambda: iva.dynamics.orbit(
                 iva.Stop(clearance=0.5, restitution=0.5),
                 iva.Primary(),
+                start=iva.Start(),
                 force=iva.Harmonic(amplitude=0.1, relative_frequency=1.0),
             ),
             ["absorber", "orbit"],
         ),
-        (lambda: iva.explore(iva.Stop(clearance=0.5, restitution=0.5)), ["stop"]),
         (
             lambda: iva.explore(
-                iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5, walls="plus")
+                iva.Stop(clearance=0.5, restitution=0.5), iva.Primary(), start=iva.Start()
+            ),
+            ["stop"],
+        ),
+        (
+            lambda: iva.explore(
+                iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5, walls="plus"),
+                iva.Primary(),
+                start=iva.Start(),
             ),
             ["walls"],
         ),

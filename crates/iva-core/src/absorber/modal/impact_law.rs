@@ -271,6 +271,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         // A mass at rest in space: its gap velocity is summed apart from that of the structure.
         let at_rest = (v + w).abs() <= v.abs() * (R::EPSILON * AT_REST_ULPS);
         let w = if at_rest { -v } else { w };
+        // The ground does not move, not even by rounding.
+        let [w, v_after] = if self.on_ground(k) { [v, -e * v] } else { [w, v_after] };
         let impact = Impact {
             time,
             absorber: state.at_hand,
