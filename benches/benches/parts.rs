@@ -32,12 +32,12 @@ fn of_a_run<S: Absorber<Real = f64>>(
     });
     let flight = system.flight(&state);
     let (clearance, reach) = (system.clearance(), flight.reach());
-    let contact = first_contact(&flight, &state, clearance, reach);
+    let contact = first_contact(&flight, clearance, reach);
     assert!(contact.contact.is_some(), "{name}: no contact within a flight");
     group.bench_function("contact", |bencher| {
-        bencher.iter(|| first_contact(black_box(&flight), &state, clearance, reach));
+        bencher.iter(|| first_contact(black_box(&flight), clearance, reach));
     });
-    let (touching, _) = system.touch(&flight.arrival(contact.end.h), system.wall(&state));
+    let (touching, _) = system.touch(&flight.arrival(contact.end), system.wall(&state));
     group.bench_function("impact", |bencher| {
         bencher.iter(|| system.impact(black_box(&touching), 1.0));
     });

@@ -82,13 +82,11 @@ pub trait Absorber: ImpactLaw {
     /// The form in which a start is given.
     type Start: Copy + std::fmt::Debug;
     /// The flight of the absorber in its gap; its curve is the distance to the wall last touched.
-    type Flight<'a>: Motion<Real = Self::Real, State = Self::State>
-        + Curve<Real = Self::Real, Sample = Self::State>
+    type Flight<'a>: Motion<Real = Self::Real, State = Self::State> + Curve<Real = Self::Real>
     where
         Self: 'a;
     /// The stick episode on a wall; its curve is the pressure on that wall per unit mass.
-    type Ride<'a>: Motion<Real = Self::Real, State = Self::State>
-        + Curve<Real = Self::Real, Sample = Self::State>
+    type Ride<'a>: Motion<Real = Self::Real, State = Self::State> + Curve<Real = Self::Real>
     where
         Self: 'a;
 

@@ -199,16 +199,9 @@ impl<const STUCK: bool> Motion for Segment<'_, STUCK> {
     }
 }
 
-/// The distance to the wall in flight, the pressure on it if stuck.
-impl<const STUCK: bool> Curve for Segment<'_, STUCK> {
-    type Real = f64;
-    type Sample = State;
-
-    fn sample(&self, h: f64) -> State {
-        self.state(h)
-    }
-
-    fn jet(&self, at: &State) -> Jet {
+impl<const STUCK: bool> Segment<'_, STUCK> {
+    /// The curve at a state.
+    fn seen_at(&self, at: &State) -> Jet {
         let mut later = *at;
         if STUCK {
             // The pressure is −s ẍ, with the accelerations in place of the places.
@@ -221,11 +214,24 @@ impl<const STUCK: bool> Curve for Segment<'_, STUCK> {
         }
         self.system.distance(at)
     }
+}
+
+/// The distance to the wall in flight, the pressure on it if stuck.
+impl<const STUCK: bool> Curve for Segment<'_, STUCK> {
+    type Real = f64;
+
+    fn jet(&self, h: f64) -> Jet {
+        self.seen_at(&self.state(h))
+    }
+
+    fn first(&self) -> Jet {
+        self.seen_at(&self.from)
+    }
 
     fn precise(&self, h: f64) -> DoubleDouble {
         let Self { system, from } = self;
         if STUCK {
-            return DoubleDouble::new(self.jet(&self.state(h)).value);
+            return DoubleDouble::new(self.jet(h).value);
         }
         let series = system.series::<DoubleDouble>(from, false);
         let t = DoubleDouble::new(h);

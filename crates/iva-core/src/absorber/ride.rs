@@ -151,16 +151,9 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
     }
 }
 
-/// The pressure on the wall.
-impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
-    type Real = R;
-    type Sample = S::State;
-
-    fn sample(&self, h: R) -> S::State {
-        self.state(h)
-    }
-
-    fn jet(&self, sample: &S::State) -> Jet<R> {
+impl<R: Real, S: Stuck<Real = R>> Ride<'_, S> {
+    /// The pressure on the wall in a state, with its derivatives.
+    fn pressure(&self, sample: &S::State) -> Jet<R> {
         let [factor, constant] = self.system.pressure(self.system.wall(sample));
         let (phase, primary) = (S::phase(sample), S::structure_of(sample));
         let a = self.structure().acceleration(phase, &primary).value;
@@ -172,10 +165,23 @@ impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
             jerk: factor * crackle,
         }
     }
+}
+
+/// The pressure on the wall.
+impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
+    type Real = R;
+
+    fn jet(&self, h: R) -> Jet<R> {
+        self.pressure(&self.state(h))
+    }
+
+    fn first(&self) -> Jet<R> {
+        self.pressure(&self.from)
+    }
 
     /// Plain evaluation suffices, because the magnitude is that of the terms.
     fn precise(&self, h: R) -> DoubleDouble<R> {
-        DoubleDouble::new(self.jet(&self.state(h)).value)
+        DoubleDouble::new(self.jet(h).value)
     }
 
     fn fourth(&self) -> R {

@@ -14,7 +14,7 @@ use crate::engine::progress::Progress;
 use crate::error::{Invalid, number};
 use crate::host::Excitation;
 use crate::number::real::Real;
-use crate::segment::contact::{first_contact, first_release, free_stretch};
+use crate::segment::contact::{first_contact, first_release};
 use crate::segment::flight::Side;
 use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
 
@@ -285,17 +285,17 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             }
             return true;
         }
-        if !is_finite(&flight.jet(&state), flight.fourth()) {
+        if !is_finite(&flight.first(), flight.fourth()) {
             return false;
         }
-        let stretch = if system.walls_reachable() {
-            first_contact(&flight, &state, system.half_play_of(0), length)
-        } else {
-            free_stretch(&flight, length)
-        };
-        self.tally.undecided += stretch.undecided;
-        self.advance(&flight, stretch.end.h, length == remaining);
-        match stretch.contact {
+        let (mut end, mut contact) = (length, None);
+        if system.walls_reachable() {
+            let stretch = first_contact(&flight, system.half_play_of(0), length);
+            self.tally.undecided += stretch.undecided;
+            (end, contact) = (stretch.end, stretch.contact);
+        }
+        self.advance(&flight, end, length == remaining);
+        match contact {
             Some(side) => self.meet(side),
             None => self.coast_after(),
         }
@@ -321,16 +321,16 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let system = self.system;
         let state = self.tally.state;
         let ride = system.ride(&state);
-        if !is_finite(&ride.jet(&state), ride.fourth()) {
+        if !is_finite(&ride.first(), ride.fourth()) {
             return false;
         }
         let length = ride.reach().min(remaining);
         let (ridden, leaves) = if ride.stays_positive() {
             (length, false)
         } else {
-            let stretch = first_release(&ride, &state, length);
+            let stretch = first_release(&ride, length);
             self.tally.undecided += stretch.undecided;
-            (stretch.end.h, stretch.contact.is_some())
+            (stretch.end, stretch.contact.is_some())
         };
         self.advance(&ride, ridden, length == remaining);
         !leaves || self.release(&ride, ridden)
@@ -339,14 +339,14 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Releases a stuck absorber at the end of a ride of this length; false if the state is not at a release.
     fn release<M>(&mut self, ride: &M, ridden: R) -> bool
     where
-        M: Motion<Real = R, State = S::State> + Curve<Real = R, Sample = S::State>,
+        M: Motion<Real = R, State = S::State> + Curve<Real = R>,
     {
         // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
         if self.due().is_some() {
             return true;
         }
         let (state, later) = self.system.release(&self.tally.state);
-        let pressure = ride.jet(&self.tally.state).value.abs();
+        let pressure = ride.jet(ridden).value.abs();
         let without_pressure = pressure <= ride.magnitude() * (R::EPSILON * PRESSURE_ULPS);
         let close_by = later >= -ridden && later <= ride.reach();
         if !(without_pressure && close_by) {

@@ -18,9 +18,9 @@ pub const UNDECIDED_BAND: f64 = 16.0;
 
 /// The result of the search over one stretch of motion.
 #[derive(Debug, Clone, Copy)]
-pub struct Stretch<T, R = f64> {
+pub struct Stretch<R = f64> {
     /// The end of the stretch, or the contact if there is one.
-    pub end: Node<T, R>,
+    pub end: R,
     /// The wall touched; `None` if it is proved that no wall is met.
     pub contact: Option<Side>,
     /// Number of grazing extrema within [`UNDECIDED_BAND`], counted as no contact.
@@ -30,38 +30,36 @@ pub struct Stretch<T, R = f64> {
 /// Searches a flight from its start up to `length` for its first contact. The walls are 2 `half_play` apart; of one wall only it is ∞.
 pub fn first_contact<R: Real, C: Curve<Real = R>>(
     flight: &C,
-    start: &C::Sample,
     half_play: R,
     length: R,
-) -> Stretch<C::Sample, R> {
-    let jet = flight.jet(start);
+) -> Stretch<R> {
+    let jet = flight.first();
     let fourth = flight.fourth();
     let size = flight.magnitude();
     // A flight that starts at a wall has rounding errors in proportion to its own height over that wall.
     let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
     let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
     let far = searched(flight, (half_play * 2.0, -R::ONE), fourth, size);
-    let a = Node { h: R::ZERO, sample: *start, jet };
+    let a = Node { h: R::ZERO, jet };
     let b = near.node(length);
-    let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
-    let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
+    let [a_far, b_far] = [&a, &b].map(|node| Node { jet: far.seen(&node.jet), ..*node });
+    let mut stretch = Stretch { end: length, contact: None, undecided: 0 };
+    let mut last = b_far;
     if !near.excluded(&a.jet, &b.jet, length) {
         let search = near.first_zero(&a, &b);
         stretch.undecided = search.undecided;
         if let Some(zero) = search.zero {
-            stretch.end = zero;
-            stretch.contact = Some(Side::Near);
+            (stretch.end, stretch.contact) = (zero.h, Some(Side::Near));
+            last = Node { jet: far.seen(&zero.jet), ..zero };
         }
     }
-    if half_play.is_finite() && !far.excluded(&a_far, &b_far, length) {
-        let end = Node { jet: far.seen(&stretch.end.jet), ..stretch.end };
-        let search = far.first_zero(&Node { jet: a_far, ..a }, &end);
+    if half_play.is_finite() && !far.excluded(&a_far.jet, &b_far.jet, length) {
+        let search = far.first_zero(&a_far, &last);
         if let Some(zero) = search.zero {
-            stretch.end = Node { jet: flight.jet(&zero.sample), ..zero };
-            stretch.contact = Some(Side::Far);
+            (stretch.end, stretch.contact) = (zero.h, Some(Side::Far));
             if stretch.undecided > 0 {
                 // The search over the whole stretch also counted grazings after the contact.
-                stretch.undecided = near.first_zero(&a, &stretch.end).undecided;
+                stretch.undecided = near.first_zero(&a, &near.node(zero.h)).undecided;
             }
         }
         stretch.undecided += search.undecided;
@@ -195,30 +193,18 @@ pub fn keeps_pressing<R: Real>(ends: [[R; 2]; 2], size: R, fourth: R, length: R)
     least > bent + R::EPSILON * 0.5 * DOUBT * size
 }
 
-/// The stretch of a flight of this length that can reach no wall.
-pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stretch<C::Sample, R> {
-    let sample = flight.sample(length);
-    let end = Node { h: length, sample, jet: flight.jet(&sample) };
-    Stretch { end, contact: None, undecided: 0 }
-}
-
 /// Searches a stick episode up to `length` for its release, the first instant at which the pressure on the wall
 /// vanishes; it is returned as the contact, with [`Side::Near`].
-pub fn first_release<R: Real, C: Curve<Real = R>>(
-    ride: &C,
-    start: &C::Sample,
-    length: R,
-) -> Stretch<C::Sample, R> {
+pub fn first_release<R: Real, C: Curve<Real = R>>(ride: &C, length: R) -> Stretch<R> {
     let pressure = searched(ride, (R::ZERO, R::ONE), ride.fourth(), ride.magnitude());
-    let a = Node { h: R::ZERO, sample: *start, jet: ride.jet(start) };
+    let a = Node { h: R::ZERO, jet: ride.first() };
     let b = pressure.node(length);
-    let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
+    let mut stretch = Stretch { end: length, contact: None, undecided: 0 };
     if !pressure.excluded(&a.jet, &b.jet, length) {
         let search = pressure.first_zero(&a, &b);
         stretch.undecided = search.undecided;
         if let Some(zero) = search.zero {
-            stretch.end = zero;
-            stretch.contact = Some(Side::Near);
+            (stretch.end, stretch.contact) = (zero.h, Some(Side::Near));
         }
     }
     stretch

@@ -30,12 +30,10 @@ pub struct Jet<R = f64> {
 pub trait Curve {
     /// The number type of its values.
     type Real: Real;
-    /// The result of one evaluation, from which the jet is read.
-    type Sample: Copy;
-    /// Evaluates the motion at h.
-    fn sample(&self, h: Self::Real) -> Self::Sample;
-    /// The function and its derivatives at a sample.
-    fn jet(&self, sample: &Self::Sample) -> Jet<Self::Real>;
+    /// The function and its derivatives at h.
+    fn jet(&self, h: Self::Real) -> Jet<Self::Real>;
+    /// Those at the begin, which may be known better than by evaluation.
+    fn first(&self) -> Jet<Self::Real>;
     /// f at h in double-double, with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Expensive: called only
     /// where the sign of f is in doubt.
     fn precise(&self, h: Self::Real) -> DoubleDouble<Self::Real>;

@@ -23,22 +23,20 @@
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, Jet};
 
-/// A point of a curve: its time, the evaluated sample, and the jet of the function searched.
+/// A point of a curve: its time, and the jet of the function searched.
 #[derive(Debug, Clone, Copy)]
-pub struct Node<T, R = f64> {
+pub struct Node<R = f64> {
     /// Time since the start of the motion.
     pub h: R,
-    /// The evaluated sample.
-    pub sample: T,
     /// The function and its derivatives there.
     pub jet: Jet<R>,
 }
 
 /// The result of a search.
 #[derive(Debug, Clone, Copy)]
-pub struct Search<T, R = f64> {
+pub struct Search<R = f64> {
     /// The first zero crossed downwards; `None` if there is none.
-    pub zero: Option<Node<T, R>>,
+    pub zero: Option<Node<R>>,
     /// Number of minima within the band before the zero, or in the whole interval.
     pub undecided: u64,
 }
@@ -93,13 +91,12 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
 
     /// The node at h.
     #[inline]
-    pub fn node(&self, h: R) -> Node<C::Sample, R> {
-        let sample = self.curve.sample(h);
-        Node { h, sample, jet: self.seen(&self.curve.jet(&sample)) }
+    pub fn node(&self, h: R) -> Node<R> {
+        Node { h, jet: self.seen(&self.curve.jet(h)) }
     }
 
     /// f at a node, evaluated in double-double where its sign is in doubt.
-    pub(super) fn value(&self, node: &Node<C::Sample, R>) -> R {
+    pub(super) fn value(&self, node: &Node<R>) -> R {
         if node.jet.value.abs() > self.doubt {
             node.jet.value
         } else {
@@ -118,23 +115,13 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 apart from rounding.
-    pub fn first_zero(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-    ) -> Search<C::Sample, R> {
+    pub fn first_zero(&self, a: &Node<R>, b: &Node<R>) -> Search<R> {
         let mut undecided = 0;
         let zero = self.search(a, b, 0, &mut undecided);
         Search { zero, undecided }
     }
 
-    fn search(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-        depth: u32,
-        undecided: &mut u64,
-    ) -> Option<Node<C::Sample, R>> {
+    fn search(&self, a: &Node<R>, b: &Node<R>, depth: u32, undecided: &mut u64) -> Option<Node<R>> {
         let length = b.h - a.h;
         let (fa, fb) = (&a.jet, &b.jet);
         let leaving = fa.value >= 0.0 && fa.rate >= 0.0 && fa.curvature >= 0.0;
@@ -175,11 +162,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The zero on (a, b] of a function that falls at b and crosses zero at most once, downwards.
-    fn end_decides(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-    ) -> Option<Node<C::Sample, R>> {
+    fn end_decides(&self, a: &Node<R>, b: &Node<R>) -> Option<Node<R>> {
         let drop = drop_ahead(&b.jet);
         let value = if b.jet.value - drop >= -self.doubt { self.value(b) } else { b.jet.value };
         // A minimum close by and within the band is left to the search of the next interval, which counts it.
@@ -187,12 +170,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The first zero crossed downwards on [a, b] of a convex function.
-    fn convex(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-        undecided: &mut u64,
-    ) -> Option<Node<C::Sample, R>> {
+    fn convex(&self, a: &Node<R>, b: &Node<R>, undecided: &mut u64) -> Option<Node<R>> {
         let (fa, fb) = (&a.jet, &b.jet);
         if fa.rate >= 0.0 {
             return None;
@@ -220,12 +198,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The zero on an interval so short that f is constant to rounding: the value at its end decides.
-    fn resolve(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-        undecided: &mut u64,
-    ) -> Option<Node<C::Sample, R>> {
+    fn resolve(&self, a: &Node<R>, b: &Node<R>, undecided: &mut u64) -> Option<Node<R>> {
         let value = self.value(b);
         if value < -self.band {
             return Some(self.refine(a, b, None));
@@ -238,12 +211,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 
     /// The only zero on (a, b], where f(b) ≤ 0, to the last bits of h.
-    pub(super) fn refine(
-        &self,
-        a: &Node<C::Sample, R>,
-        b: &Node<C::Sample, R>,
-        guess: Option<R>,
-    ) -> Node<C::Sample, R> {
+    pub(super) fn refine(&self, a: &Node<R>, b: &Node<R>, guess: Option<R>) -> Node<R> {
         if a.jet.value < 0.0 && a.jet.rate < 0.0 {
             return *a;
         }
@@ -255,14 +223,14 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
 
     /// The node at h with −f, which rises, and its first two derivatives.
     #[inline]
-    fn falling(&self, h: R, flat: bool) -> (Node<C::Sample, R>, [R; 3]) {
+    fn falling(&self, h: R, flat: bool) -> (Node<R>, [R; 3]) {
         let node = self.node(h);
         let value = if flat { self.value(&node) } else { node.jet.value };
         (node, [-value, -node.jet.rate, -node.jet.curvature])
     }
 
     /// The minimum of f on [a, b], where f is convex, f′(a) < 0 < f′(b).
-    fn minimum(&self, a: &Node<C::Sample, R>, b: &Node<C::Sample, R>) -> Node<C::Sample, R> {
+    fn minimum(&self, a: &Node<R>, b: &Node<R>) -> Node<R> {
         let (ra, rb) = (a.jet.rate, b.jet.rate);
         let guess = a.h + (b.h - a.h) * (ra / (ra - rb));
         let (_, node) = polish(

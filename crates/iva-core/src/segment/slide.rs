@@ -49,21 +49,20 @@ pub struct Slip<R = f64> {
 
 /// Searches a slide from its start up to `length` for its first event. `distance` is that to the wall last touched, `ahead` says
 /// whether the absorber moves towards that wall or the far one, and `speed` is |w|, ≥ 0 at the start but for rounding.
-pub fn first_end<R: Real, T: Copy, D, V>(
+pub fn first_end<R: Real, D, V>(
     (distance, speed): (&D, &V),
-    start: &T,
     ahead: Side,
     clearance: R,
     length: R,
 ) -> Slide<R>
 where
-    D: Curve<Real = R, Sample = T>,
-    V: Curve<Real = R, Sample = T>,
+    D: Curve<Real = R>,
+    V: Curve<Real = R>,
 {
-    let jet = speed.jet(start);
+    let jet = speed.first();
     let fourth = speed.fourth();
     let stops = searched(speed, (R::ZERO, R::ONE), fourth, highest(&jet, fourth, length));
-    let a = Node { h: R::ZERO, sample: *start, jet };
+    let a = Node { h: R::ZERO, jet };
     let b = stops.node(length);
     let (mut slide, mut last) = (Slide { h: length, ends: Ends::Length, undecided: 0 }, b);
     if !stops.excluded(&a.jet, &b.jet, length) {
@@ -73,14 +72,14 @@ where
             (last, slide.h, slide.ends) = (zero, zero.h, Ends::Stop);
         }
     }
-    let jet = distance.jet(start);
+    let jet = distance.first();
     let (whole, fourth) = (distance.magnitude(), distance.fourth());
     let (level, sign, size) = match ahead {
         Side::Near => (R::ZERO, R::ONE, whole.min(highest(&jet, fourth, slide.h))),
         Side::Far => (clearance * 2.0, -R::ONE, whole),
     };
     let left = searched(distance, (level, sign), fourth, size);
-    let end = Node { jet: left.seen(&distance.jet(&last.sample)), ..last };
+    let end = Node { jet: left.seen(&distance.jet(last.h)), ..last };
     let value = left.value(&end);
     let stopped = slide.ends == Ends::Stop;
     if value > if stopped { left.band } else { R::ZERO } {
@@ -90,7 +89,7 @@ where
         slide.undecided += 1;
         return slide;
     }
-    let begin = Node { h: R::ZERO, sample: *start, jet: left.seen(&jet) };
+    let begin = Node { h: R::ZERO, jet: left.seen(&jet) };
     let met = left.refine(&begin, &end, None);
     if slide.undecided > 0 {
         // The search over the whole slide also counted speeds after the contact.

@@ -24,13 +24,12 @@ struct Noisy {
 
 impl Curve for Noisy {
     type Real = f64;
-    type Sample = f64;
 
-    fn sample(&self, h: f64) -> f64 {
-        h
+    fn first(&self) -> Jet {
+        self.jet(0.0)
     }
 
-    fn jet(&self, h: &f64) -> Jet {
+    fn jet(&self, h: f64) -> Jet {
         let t = h - 0.4;
         Jet { value: t * t + self.lowest + self.noise, rate: 2.0 * t, curvature: 2.0, jerk: 0.0 }
     }
@@ -60,7 +59,7 @@ fn the_precise_distance_decides_not_the_plain_one() {
             (-40.0 * U, Some(Side::Near), 0),
         ] {
             let curve = Noisy { lowest, noise };
-            let found = first_contact(&curve, &0.0, 1.0, 1.0);
+            let found = first_contact(&curve, 1.0, 1.0);
             let place = format!("lowest {} U, noise {} U", lowest / U, noise / U);
             assert_eq!((found.contact, found.undecided), (contact, undecided), "{place}");
         }

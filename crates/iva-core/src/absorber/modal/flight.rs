@@ -1,7 +1,6 @@
 //! What the event loop, searches and observers ask of a motion.
 
 use super::losses::{at_nodes, mean};
-use super::state::Felt;
 use super::{ModalMotion, ModalState, Place, wall_of};
 use crate::absorber::{Absorber as _, OnStructure, Wall};
 use crate::host::Host;
@@ -244,39 +243,37 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
     }
 }
 
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_, H, N, M> {
+    /// The jet of the curve where the absorber at hand has a place, and A these values.
+    fn jet_of(&self, place: &Place<R>, felt: [R; 4]) -> Jet<R> {
+        let begin = self.begun().1;
+        if begin.carried() {
+            return self.carried_by(-begin.side, felt);
+        }
+        let [curvature, jerk] = [felt[0], felt[1]].map(|it| place.side * it);
+        Jet { value: place.distance.value, rate: place.rate.value, curvature, jerk }
+    }
+}
+
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     for ModalMotion<'_, H, N, M>
 {
     type Real = R;
-    type Sample = ModalState<H, N, M>;
-
-    fn sample(&self, h: R) -> Self::Sample {
-        if let Some(it) = self.oscillation() {
-            return self.oscillated(it, h, false);
-        }
-        let k = self.at_hand();
-        let mut sample = self.from;
-        sample.places[k] = self.place(k, h);
-        sample.felt = Some(Felt { of: k, shaken: self.felt(k, h) });
-        sample
-    }
 
     /// D; or what the wall and friction carry beyond the pressure −s A, or friction beyond A.
-    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let (k, begin) = self.begun();
-        let place = &sample.places[k];
-        let shaken = self.system.shaken(sample, k);
-        if begin.carried() {
-            return self.carried_by(-begin.side, shaken);
-        }
-        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| place.side * it);
-        Jet { value: place.distance.value, rate: place.rate.value, curvature, jerk }
+    fn jet(&self, h: R) -> Jet<R> {
+        let k = self.at_hand();
+        self.jet_of(&self.place(k, h), self.felt(k, h))
+    }
+
+    fn first(&self) -> Jet<R> {
+        self.jet_of(self.begun().1, self.felt_first())
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
         let (k, begin) = self.begun();
         if begin.carried() {
-            return DoubleDouble::new(self.jet(&self.sample(h)).value);
+            return DoubleDouble::new(self.jet(h).value);
         }
         if let Some(it) = self.oscillation() {
             let (pull, side) = (self.regime.pulls[k], begin.side);

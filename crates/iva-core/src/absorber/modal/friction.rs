@@ -10,7 +10,7 @@
 //! at once ([`Modal::settle`]).
 
 use super::impact_law::MOST_CHANGED;
-use super::slides::{Slipping, Speed};
+use super::slides::Speed;
 use super::state::Place;
 use super::structure::same;
 use super::{Modal, ModalMotion, ModalState};
@@ -182,7 +182,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return Some(Slide { h, ends, undecided: 0 });
         }
         let wide = self.masses[k].half_play();
-        Some(first_end((flight, &speed), &flight.from, ahead, wide, length))
+        Some(first_end((flight, &speed), ahead, wide, length))
     }
 
     /// The state in which the absorber at hand has stopped in its gap, and how much later it is.
@@ -218,7 +218,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         state: &ModalState<H, N, M>,
         off: R,
     ) -> Option<(ModalState<H, N, M>, R)> {
-        let Jet { value, rate, curvature, .. } = Slipping { ride, off }.jet(state);
+        let Jet { value, rate, curvature, .. } =
+            ride.carried_by(off, self.shaken(state, self.index(state.at_hand.into())));
         if value.abs() > ride.magnitude() * (R::EPSILON * BALANCED_ULPS) {
             return None;
         }

@@ -250,7 +250,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     #[inline(always)]
     pub(super) fn place(&self, k: usize, h: R) -> Place<R> {
         if let Some(it) = self.oscillation() {
-            return self.oscillated(it, h, false).places[k];
+            return self.oscillated_alone(it, k, h);
         }
         let (place, curved, t) = (&self.from.places[k], self.curved(k), self.share(h));
         if place.carried() {

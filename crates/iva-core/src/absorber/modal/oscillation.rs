@@ -9,7 +9,7 @@ use super::state::{Felt, Modes, Place};
 use super::{Modal, ModalMotion, ModalState};
 use crate::absorber::siva::coasts;
 use crate::absorber::{Aboard, Clock, Coasted, Coasts, OnStructure as _};
-use crate::host::oscillator::Primary;
+use crate::host::oscillator::{Arrival, Primary};
 use crate::host::{Flown, Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -322,26 +322,37 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             ModalState { modes, places, phase, at_hand, felt: None };
         let [a, jerk, snap, crackle] = Oscillating::<H>::derivatives(structure, &to);
         for (k, place) in after.places[..system.count()].iter_mut().enumerate() {
-            let (pull, side) = (self.regime.pulls[k], place.side);
+            let pull = self.regime.pulls[k];
             let felt = if pull.value == 0.0 { a } else { (to.acceleration + pull).value };
             if k == usize::from(at_hand) {
                 after.felt = Some(Felt { of: k, shaken: [felt, jerk, snap, crackle] });
             }
-            if place.carried() {
-                continue;
-            }
-            place.leaves = false;
-            let [mut curved, mut faster] = [gained.curved, gained.velocity];
-            if pull.value != 0.0 {
-                let fallen = pull.times(h);
-                (curved, faster) = (curved + fallen.times(h).half(), faster + fallen);
-            }
-            let [curved, faster] = [curved, faster]
-                .map(|sum| DoubleDouble { value: side * sum.value, rest: side * sum.rest });
-            place.distance = place.distance.plus_both(place.rate.times(h), curved);
-            place.rate = place.rate + faster;
+            *place = self.oscillated_place(k, &gained, h);
         }
         after
+    }
+
+    /// The place of a mass at h, after which the structure has come to this.
+    fn oscillated_place(&self, k: usize, gained: &Arrival<R>, h: R) -> Place<R> {
+        let (place, pull) = (&self.from.places[k], self.regime.pulls[k]);
+        if place.carried() {
+            return *place;
+        }
+        let [mut curved, mut faster] = [gained.curved, gained.velocity];
+        if pull.value != 0.0 {
+            let fallen = pull.times(h);
+            (curved, faster) = (curved + fallen.times(h).half(), faster + fallen);
+        }
+        let [curved, faster] = [curved, faster]
+            .map(|sum| DoubleDouble { value: place.side * sum.value, rest: place.side * sum.rest });
+        let distance = place.distance.plus_both(place.rate.times(h), curved);
+        Place { distance, rate: place.rate + faster, leaves: false, ..*place }
+    }
+
+    /// The place of a mass alone at h.
+    pub(super) fn oscillated_alone(&self, of: &Oscillation<'_, H>, k: usize, h: R) -> Place<R> {
+        let Oscillating { structure, state, .. } = &of.begin;
+        self.oscillated_place(k, &structure.flown(state, &of.course, h).gained, h)
     }
 
     /// The same, where distances and rates of masses in flight, and all of the structure, are those of plain numbers.

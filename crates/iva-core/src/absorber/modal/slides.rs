@@ -1,8 +1,8 @@
 //! The ends of slides and of holds: stops, contacts and slips.
 
+use super::ModalMotion;
 use super::friction::DOUBT;
 use super::state::Place;
-use super::{ModalMotion, ModalState};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -78,44 +78,42 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         if R::FAST_PATHS && self.clears(length, &self.ahead(length)) {
             return Slip { h: length, direction: None, undecided: 0 };
         }
-        let first =
-            |off: R, length: R| first_release(&Slipping { ride: self, off }, &self.from, length);
+        let first = |off: R, length: R| first_release(&Slipping { ride: self, off }, length);
         let up = first(R::ONE, length);
-        let whole = if up.contact.is_some() { up.end.h } else { length };
+        let whole = if up.contact.is_some() { up.end } else { length };
         let down = first(-R::ONE, whole);
         if down.contact.is_none() {
             let direction = up.contact.map(|_| R::ONE);
-            return Slip { h: up.end.h, direction, undecided: up.undecided + down.undecided };
+            return Slip { h: up.end, direction, undecided: up.undecided + down.undecided };
         }
         // Grazings of the other limit after the event were counted as well.
-        let before = if up.undecided == 0 { 0 } else { first(R::ONE, down.end.h).undecided };
-        Slip { h: down.end.h, direction: Some(-R::ONE), undecided: before + down.undecided }
+        let before = if up.undecided == 0 { 0 } else { first(R::ONE, down.end).undecided };
+        Slip { h: down.end, direction: Some(-R::ONE), undecided: before + down.undecided }
     }
 }
 
 /// What is left of friction at rest before a held mass slides off in a direction.
 #[derive(Debug)]
-pub(super) struct Slipping<'s, 'a, H: Host, const N: usize, const M: usize> {
-    pub ride: &'s ModalMotion<'a, H, N, M>,
-    pub off: H::Real,
+struct Slipping<'s, 'a, H: Host, const N: usize, const M: usize> {
+    ride: &'s ModalMotion<'a, H, N, M>,
+    off: H::Real,
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     for Slipping<'_, '_, H, N, M>
 {
     type Real = R;
-    type Sample = ModalState<H, N, M>;
 
-    fn sample(&self, h: R) -> Self::Sample {
-        self.ride.sample(h)
+    fn jet(&self, h: R) -> Jet<R> {
+        self.ride.carried_by(self.off, self.ride.felt(self.ride.at_hand(), h))
     }
 
-    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        self.ride.carried_by(self.off, self.ride.system.shaken(sample, self.ride.at_hand()))
+    fn first(&self) -> Jet<R> {
+        self.ride.carried_by(self.off, self.ride.felt_first())
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
-        DoubleDouble::new(self.jet(&self.sample(h)).value)
+        DoubleDouble::new(self.jet(h).value)
     }
 
     fn fourth(&self) -> R {
@@ -133,20 +131,25 @@ pub(super) struct Speed<'s, 'a, H: Host, const N: usize, const M: usize> {
     pub slide: &'s ModalMotion<'a, H, N, M>,
 }
 
-impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve for Speed<'_, '_, H, N, M> {
-    type Real = R;
-    type Sample = ModalState<H, N, M>;
-
-    fn sample(&self, h: R) -> Self::Sample {
-        self.slide.sample(h)
-    }
-
-    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let place = &sample.places[self.slide.at_hand()];
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Speed<'_, '_, H, N, M> {
+    /// The jet where the absorber at hand has a place, and A these values.
+    fn jet_of(&self, place: &Place<R>, [a, jerk, snap, _]: [R; 4]) -> Jet<R> {
         let s = place.sliding;
-        let [a, jerk, snap, _] = self.slide.system.shaken(sample, self.slide.at_hand());
         let value = -s * place.side * place.rate.value;
         Jet { value, rate: -s * a, curvature: -s * jerk, jerk: -s * snap }
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve for Speed<'_, '_, H, N, M> {
+    type Real = R;
+
+    fn jet(&self, h: R) -> Jet<R> {
+        let k = self.slide.at_hand();
+        self.jet_of(&self.slide.place(k, h), self.slide.felt(k, h))
+    }
+
+    fn first(&self) -> Jet<R> {
+        self.jet_of(self.slide.begun().1, self.slide.felt_first())
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
@@ -161,6 +164,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve for Speed
 
     /// The terms are bounded by the search ([`crate::segment::slide`]), as a slide from rest is as accurate as it is slow.
     fn magnitude(&self) -> R {
-        self.slide.origin().places[self.slide.at_hand()].rate.value.abs()
+        self.slide.begun().1.rate.value.abs()
     }
 }

@@ -308,14 +308,13 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
 
 impl<R: Real, H: Host<Real = R>> Curve for PivaFlight<'_, H> {
     type Real = R;
-    type Sample = PivaState<Phase<H>, R>;
 
-    fn sample(&self, h: R) -> Self::Sample {
-        self.state(h)
+    fn jet(&self, h: R) -> Jet<R> {
+        self.piva.distance(&self.state(h))
     }
 
-    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        self.piva.distance(sample)
+    fn first(&self) -> Jet<R> {
+        self.piva.distance(&self.from)
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {

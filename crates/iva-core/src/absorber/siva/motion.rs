@@ -212,16 +212,15 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
 
 impl<R: Real, H: Host<Real = R>> Curve for SivaFlight<'_, H> {
     type Real = R;
-    type Sample = SivaState<Phase<H>, R>;
 
     #[inline]
-    fn sample(&self, h: R) -> Self::Sample {
-        self.state(h)
+    fn jet(&self, h: R) -> Jet<R> {
+        self.siva.distance(&self.state(h))
     }
 
     #[inline]
-    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        self.siva.distance(sample)
+    fn first(&self) -> Jet<R> {
+        self.siva.distance(&self.from)
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {

@@ -20,7 +20,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     pub(super) fn slide(&mut self, remaining: R) -> bool {
         let (system, state) = (self.system, self.tally.state);
         let flight = system.flight(&state);
-        if !is_finite(&flight.jet(&state), flight.fourth()) {
+        if !is_finite(&flight.first(), flight.fourth()) {
             return false;
         }
         let length = flight.reach().min(self.progress.ahead());
@@ -102,7 +102,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     pub(super) fn hold(&mut self, remaining: R) -> bool {
         let (system, state) = (self.system, self.tally.state);
         let ride = system.ride(&state);
-        if !is_finite(&ride.jet(&state), ride.fourth()) {
+        if !is_finite(&ride.first(), ride.fourth()) {
             return false;
         }
         let length = ride.reach().min(remaining);

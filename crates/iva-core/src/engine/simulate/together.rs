@@ -211,7 +211,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 }
                 continue;
             }
-            if !is_finite(&flight.jet(flight.origin()), flight.fourth()) {
+            if !is_finite(&flight.first(), flight.fourth()) {
                 return false;
             }
             let Some(first) = self.first_event(&flight, end) else { return false };
@@ -267,13 +267,13 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// The first event of the absorber at hand within a length; `None` if its bounds are not finite.
     fn first_event(&self, flight: &S::Flight<'a>, length: R) -> Option<First<R>> {
         let (system, from) = (self.system, flight.origin());
-        let of = |stretch: &Stretch<S::State, R>, ending: Option<Ending<R>>| First {
+        let of = |stretch: &Stretch<R>, ending: Option<Ending<R>>| First {
             ending,
-            at: stretch.end.h,
+            at: stretch.end,
             undecided: stretch.undecided,
         };
         if system.is_stuck(from) {
-            let stretch = first_release(flight, from, length);
+            let stretch = first_release(flight, length);
             return Some(of(&stretch, stretch.contact.map(|_| Ending::Release)));
         }
         if system.is_held(from) {
@@ -290,7 +290,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return Some(First { ending, at: h, undecided });
         }
         let wide = system.half_play_of(system.at_hand(from));
-        let stretch = first_contact(flight, from, wide, length);
+        let stretch = first_contact(flight, wide, length);
         Some(of(&stretch, stretch.contact.map(Ending::Contact)))
     }
 

@@ -134,18 +134,18 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }
             let leave = self.system.distance(&state);
             let flight = self.system.flight(&state);
-            if !is_finite(&flight.jet(&state), flight.fourth()) {
+            if !is_finite(&flight.first(), flight.fourth()) {
                 return;
             }
             let length = flight.reach().min(first_search(leave.rate, -leave.curvature));
             let wide = self.system.half_play_of(self.system.at_hand(&state));
-            let stretch = first_contact(&flight, &state, wide, length);
+            let stretch = first_contact(&flight, wide, length);
             if stretch.contact != Some(Side::Near) {
                 return;
             }
-            clock = clock.plus(stretch.end.h);
+            clock = clock.plus(stretch.end);
             let wall = self.system.wall(&state);
-            let (touching, later) = self.system.touch(&flight.arrival(stretch.end.h), wall);
+            let (touching, later) = self.system.touch(&flight.arrival(stretch.end), wall);
             clock = clock.plus(later);
             let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
             if impact.approach_speed() <= self.progress.floor {
