@@ -298,10 +298,13 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         Jet { value: value + held, rate, curvature, jerk }
     }
 
-    /// A and its derivatives of the absorber at hand, at the begin.
+    /// A and its derivatives of the absorber at hand, at the begin. Where it has just been let go A is 0 exactly.
     pub(super) fn felt_first(&self) -> [R; 4] {
-        let k = self.at_hand();
-        self.from.felt_by(k).unwrap_or_else(|| self.felt(k, R::ZERO))
+        let (k, begin) = self.begun();
+        self.from.felt_by(k).unwrap_or_else(|| {
+            let [a, jerk, snap, crackle] = self.felt(k, R::ZERO);
+            [if begin.leaves { R::ZERO } else { a }, jerk, snap, crackle]
+        })
     }
 
     /// The state at h, at which the modes are these.
