@@ -19,7 +19,7 @@ from iva import _iva
 # part, a kind of absorber that has all its fields, class, words among the fields
 PARTS: list[tuple[str, str, Any, list[str]]] = [
     ("primary", "siva", iva.Primary, []),
-    ("absorber", "siva", iva.Siva, []),
+    ("absorber", "siva", iva.Siva, ["walls"]),
     ("absorber", "piva", iva.Piva, ["angles", "impact_law"]),
     ("start", "piva", iva.Start, []),
 ]

@@ -128,7 +128,7 @@ def test_what_shows_one_refuses_several() -> None:
     for number in (2, -1, 0.5):
         with pytest.raises(ValueError, match="the run has 2, numbered from 0"):
             iva.plots.phase(run, relative=True, absorber=number)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match=r"give an iva\.Siva, an iva\.Piva or None"):
+    with pytest.raises(TypeError, match=r"give an iva\.Siva, an iva\.Piva, an iva\.Stop or None"):
         iva.dynamics.orbit(
             PAIR,  # type: ignore[arg-type]
             PRIMARY,

@@ -430,7 +430,7 @@ def test_the_table_of_fields() -> None:
 
 def test_a_wrong_type_is_told_what_to_give() -> None:
     wrong: Any = iva.Start(displacement=1.0)
-    says = r"^absorber = {}: give an iva\.Siva, an iva\.Piva, a list of them or None$"
+    says = r"^absorber = {}: give an iva\.Siva, an iva\.Piva, an iva\.Stop, a list of them or None$"
     given: Any
     for given, shown in (
         (wrong, r"Start\(displacement=1\.0\)"),
