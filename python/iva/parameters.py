@@ -468,7 +468,8 @@ class Siva(Part):
     inclination_deg: float | None = None
     gravity: float | None = None
     spring_ratio: float | None = None
-    walls: Literal["both", "plus", "minus"] = "both"
+    # Any, so that all other fields may come from a dict of numbers in a typed program.
+    walls: Any = "both"
 
 
 @spell_checked
@@ -547,7 +548,8 @@ class Stop(Part):
     gap_offset: float | None = None
     gap_offset_mm: float | None = None
     contact_time: float | None = None
-    walls: Literal["both", "plus", "minus"] = "both"
+    # Any, so that all other fields may come from a dict of numbers in a typed program.
+    walls: Any = "both"
 
 
 @spell_checked

@@ -51,7 +51,7 @@ def integrated(of: Chain, v0: Array, events: int) -> list[tuple[float, int, int]
     n, d, e, m = of.count, of.clearance, of.restitution, of.mass
 
     def rates(_: float, z: Array) -> Array:
-        x, v, _, speeds = z.reshape(4, n)
+        x, v, _places, speeds = z.reshape(4, n)
         return np.concatenate([v, -of.stiffness @ x - of.damping @ v, speeds, np.zeros(n)])
 
     def meets(k: int, wall: int) -> object:
@@ -221,7 +221,7 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: iva.Stop(clearance=1.0, restitution=0.5, walls="left"), ["walls", "both"]),  # type: ignore[arg-type]
+        (lambda: iva.Stop(clearance=1.0, restitution=0.5, walls="left"), ["walls", "both"]),
         (
             lambda: iva.simulate(
                 iva.Stop(clearance=0.5, restitution=0.5),
@@ -233,7 +233,7 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
         ),
         (
             lambda: iva.dynamics.orbit(
-                iva.Stop(clearance=0.5, restitution=0.5),
+                iva.Stop(clearance=0.5, restitution=0.5),  # type: ignore[arg-type]
                 iva.Primary(),
                 start=iva.Start(),
                 force=iva.Harmonic(amplitude=0.1, relative_frequency=1.0),
