@@ -75,6 +75,32 @@ fn a_point_stays_on_its_stop_while_a_force_presses() {
     }
 }
 
+/// A spring that presses the point on its stop with p, and a force f cos (Ωt + 0.3) that lifts it for an instant only if f > p: the dip below 0 is a thousandth of a
+/// cycle long.
+#[test]
+fn a_release_for_an_instant_is_not_missed() {
+    let (p, d) = (0.7, 0.4);
+    let stop = FreeMass::on_ground(0.0, d).unwrap().with_offset(-p - d).unwrap();
+    let one = || ModalStructure::moving_as_one(0.0).unwrap();
+    let start = ModalStart::new(&[-p], &[0.0], [REST]).unwrap();
+    for k in 0..60 {
+        let omega = 0.3 + 0.03 * f64::from(k);
+        for more in [1e-5, -1e-5] {
+            let f = p * (1.0 + more);
+            let system = Modal::<_, 1, 2>::with_room(one(), &[(stop, PRIMARY)]).unwrap();
+            let driven = system.under(push(f, omega, Acts::Primary), PRIMARY).unwrap();
+            let run = run(&driven, &start, &Limits::new(7.0 / omega, 1e-9)).unwrap();
+            let released = run.episodes[0].release_time;
+            if more < 0.0 {
+                assert_eq!((run.episodes.len(), released), (1, None), "{omega}");
+            } else {
+                let expected = ((-p / f).acos() - 0.3) / omega;
+                assert!((released.unwrap() - expected).abs() < 1e-11, "{omega}: {released:?}");
+            }
+        }
+    }
+}
+
 /// With one stop only, at d > 0, the oscillator comes back to it after 2π − 2 atan(v/d).
 #[test]
 fn an_oscillator_before_one_stop_follows_its_closed_form() {
