@@ -149,6 +149,11 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
 }
 
 impl<R: Real> Pendulum<R> {
+    /// μκλ² = I/b²: the inertia that W = b θ̇ belongs to.
+    pub(crate) fn swung_inertia(&self) -> R {
+        self.mass_ratio * self.inertia_ratio * (self.lever * self.lever)
+    }
+
     /// The form of the equations.
     pub(crate) fn equations(&self) -> Equations {
         match (self.small_angles, self.spring.acts) {

@@ -51,6 +51,7 @@ mod pendulums_on_modes;
 mod periodic;
 mod piva;
 mod piva_flight;
+mod pivot_friction;
 mod planted;
 mod polish;
 mod record_extremes;

@@ -47,7 +47,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let Place { distance, rate, stuck, held, .. } = *place;
             let kicked = kicked(k) * self.follows(k, place);
             if held {
-                let left = self.static_friction[k] - self.shaken(state, k)[0].abs();
+                let left = self.held_up_to(k, place) - self.shaken(state, k)[0].abs();
                 let fastest = growth.max(self.whole.growth() * 2.0);
                 return left > flight.most_jerked(k) * time + kicked * fastest;
             }
@@ -229,7 +229,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
 
     /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
-        let (k, _, Place { side, distance, rate, stuck, .. }) = self.at_hand_of(state);
+        let (k, _, place @ Place { side, distance, rate, stuck, .. }) = self.at_hand_of(state);
         if self.count() == 0 {
             let value = if self.primary(state).x.is_finite() { R::ONE } else { R::NAN };
             return Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO };
@@ -238,10 +238,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         let [mut curvature, jerk] = [a, jerk].map(|it| side * it);
         if stuck {
             // It would slide off its wall.
-            curvature -= self.static_friction[k];
+            curvature -= self.held_up_to(k, &place);
         } else if distance.value == 0.0 && rate.value == 0.0 {
             // At rest on its wall more friction holds it than in the slide that it would begin.
-            curvature -= self.static_friction[k] - self.friction[k];
+            curvature -= self.held_beyond(k, &place);
         }
         Jet { value: distance.value, rate: rate.value, curvature, jerk }
     }
@@ -299,13 +299,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         }
         let (at_hand, _, place) = self.at_hand_of(state);
         let [a, jerk, snap, _] = self.shaken(state, at_hand).map(|it| -place.side * it);
-        let later = impact::delay(a + self.static_friction[at_hand], jerk, snap);
+        let later = impact::delay(a + self.held_up_to(at_hand, &place), jerk, snap);
         let leaves = |k: usize| {
-            let side = state.places[k].side;
+            let place = &state.places[k];
+            let side = place.side;
             let terms = || self.terms(state, k) * (R::EPSILON * RELEASED_ULPS);
             let ends = || {
                 let [a, jerk, ..] = self.shaken(state, k);
-                self.static_friction[k] - side * a <= terms() && side * jerk > 0.0
+                self.held_up_to(k, place) - side * a <= terms() && side * jerk > 0.0
             };
             k == at_hand || (state.places[k].stuck && ends())
         };

@@ -1,4 +1,4 @@
-//! Coulomb friction of masses in their gaps.
+//! Coulomb friction of masses in their gaps, and of pendulums in their pivots.
 //!
 //! A mass that slides with the sign s of its gap velocity is decelerated by R, and pulls its point along with s μ R: gravity G + s R in
 //! place of G (`modal/equations.rs`). One at rest in its gap moves with its point, as one that is stuck does, while |A| ≤ Rₛ, with
@@ -8,6 +8,9 @@
 //! Friction is finite, so a blow carries no mass that friction holds: it slides from then on. Each beginning, turn and end of a slide
 //! changes the force on the structure in a jump, and so A of all others: which of the masses at rest are held is decided for all of them
 //! at once ([`Modal::settle`]).
+//!
+//! **In a pivot** a constant moment T opposes the swing, R = b T/I: Ẇ has the term −s R, and a pendulum at rest is held while what would turn it,
+//! |β c A + r² y + σ² φ|, is Rₛ at most. In its gap that is −ÿ of a pendulum that were free, and c Rₛ, in place of A and Rₛ.
 
 use super::impact_law::MOST_CHANGED;
 use super::slides::Speed;
@@ -31,7 +34,7 @@ pub(super) const DOUBT: f64 = 64.0;
 const BALANCED_ULPS: f64 = 1024.0;
 
 impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
-    /// The same masses with Coulomb friction, which decelerates each that slides by R, an acceleration.
+    /// The same members with Coulomb friction, which decelerates each that slides by R, an acceleration; R = b T/I of a pendulum with the moment T in its pivot.
     ///
     /// # Errors
     /// [`Invalid`] for a negative number or one out of [`crate::range`], and for numbers that are not as many as masses.
@@ -85,10 +88,25 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if place.carried() { R::ZERO } else { place.sliding * self.friction[k] }
     }
 
-    /// G of a mass, and s R of one that slides.
+    /// G of a mass, and s R of one that slides. Weight and friction of a pendulum are part of its swing.
     #[inline(always)]
     pub(super) fn pull(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        if self.hanging(k).is_some() {
+            return DoubleDouble::ZERO;
+        }
         DoubleDouble::new(self.gravity[k]).plus(self.rubbing(k, place))
+    }
+
+    /// Up to which acceleration in its gap friction holds a member at rest in a place: Rₛ, or c Rₛ.
+    #[inline(always)]
+    pub(super) fn held_up_to(&self, k: usize, place: &Place<R>) -> R {
+        self.static_friction[k] * self.turned_by(k, place)
+    }
+
+    /// By how much more than a slide decelerates it.
+    #[inline(always)]
+    pub(super) fn held_beyond(&self, k: usize, place: &Place<R>) -> R {
+        (self.static_friction[k] - self.friction[k]) * self.turned_by(k, place)
     }
 
     /// The place with the sign of its slide: that of the gap velocity, or at a wall that of the way off it.
@@ -140,7 +158,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let [a, jerk, ..] = self.shaken(state, k);
         if held {
             let over = |s: R| {
-                let left = s.mul_add(a, self.static_friction[k]);
+                let left = s.mul_add(a, self.held_up_to(k, &state.places[k]));
                 left < 0.0 || (left == 0.0 && s * jerk < 0.0)
             };
             return [R::ONE, -R::ONE].into_iter().find(|s| over(*s));
@@ -239,12 +257,20 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.static_friction[k] <= self.friction[k]
     }
 
-    /// Σ μ R |Δy| of all masses that slide between two states.
+    /// Σ μ R |Δy| of all masses, and Σ μκλ² R |Δφ| of all pendulums, that slide between two states.
     pub(super) fn rubbed_by_all(&self, [from, to]: [&ModalState<H, N, M>; 2]) -> R {
         let sliding = |k: &usize| self.rubbing(*k, &from.places[*k]) != 0.0;
         (0..self.count()).filter(sliding).fold(R::ZERO, |sum, k| {
-            let way = (to.places[k].distance - from.places[k].distance).value.abs();
-            (self.masses[k].mass_ratio * self.friction[k]).mul_add(way, sum)
+            let [begin, end] = [from, to].map(|it| &it.places[k]);
+            let swung = |place: &Place<R>| self.angle_at(k, place).map_or(R::ZERO, |it| it.value);
+            let (inertia, way) = match self.hanging(k) {
+                None => (self.masses[k].mass_ratio, (end.distance - begin.distance).value),
+                Some(is) => {
+                    let way = (swung(end) - swung(begin)) * is.contact_distance;
+                    (is.swung_inertia(), way)
+                }
+            };
+            (inertia * self.friction[k]).mul_add(way.abs(), sum)
         })
     }
 
@@ -257,7 +283,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let mut back = state.renewed();
         back.places[k].sliding = place.side;
         let Jet { curvature, jerk, .. } = self.distance(&back);
-        let more = self.static_friction[k] - self.friction[k];
-        Some(Back { pressure: -curvature, jerk, spare: -curvature - more })
+        Some(Back { pressure: -curvature, jerk, spare: -curvature - self.held_beyond(k, &place) })
     }
 }

@@ -95,8 +95,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
             let swing = self.swing(*k).filter(|_| is.pivot_damping != 0.0)?;
             let w: Row<R> = std::array::from_fn(|m| swing.series.w[m]);
             let turning = at_nodes(&w, nodes);
-            let inertia = is.mass_ratio * is.inertia_ratio * (is.lever * is.lever);
-            Some(inertia * is.pivot_damping * mean(&turning, &turning))
+            Some(is.swung_inertia() * is.pivot_damping * mean(&turning, &turning))
         };
         let each = self.system.swinging(&self.from.places);
         each.filter_map(|it| damped(&it)).fold(R::ZERO, |sum, lost| sum + lost)

@@ -294,7 +294,8 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// wall.
     pub(super) fn carried_by(&self, sign: R, shaken: [R; 4]) -> Jet<R> {
         let [value, rate, curvature, jerk] = shaken.map(|it| sign * it);
-        let held = self.system.static_friction[self.at_hand()];
+        let (k, begin) = self.begun();
+        let held = self.system.held_up_to(k, begin);
         Jet { value: value + held, rate, curvature, jerk }
     }
 

@@ -4,10 +4,10 @@
 //! a mass; what it has beyond is how it swings ([`crate::segment::taylor`]):
 //!
 //! ```text
-//! Ẇ = −(β A c + r² y + σ² φ + ν W),    ẏ = c W,    W = b θ̇,    c = cosθ,    A = ü + a_g at its point,
+//! Ẇ = −(β A c + r² y + σ² φ + ν W + s R),    ẏ = c W,    W = b θ̇,    c = cosθ,    A = ü + a_g at its point,
 //! ```
 //!
-//! and that it pulls at its point with −μ (A + λ ÿ), λ = L/b: as if a part η = μ (1 − c²/κ) of its mass were fixed to the point, and as a force beside.
+//! with s R of the friction in its pivot (`modal/friction.rs`), and that it pulls at its point with −μ (A + λ ÿ), λ = L/b: as if a part η = μ (1 − c²/κ) of its mass were fixed to the point, and as a force beside.
 //! Where an impact or an impulse changes u̇ by Δu̇, a pendulum in flight takes the part η of its mass along and follows by Δẏ = −β c² Δu̇.
 //! On a wall all of its mass is carried, and what it would do if it were free, −ÿ = β c² A + c (r² y + σ² φ), takes the place of the acceleration of a mass.
 
@@ -135,6 +135,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// c.
     fn cosine(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
         is.cosine(self.gap_of_place(k, place).value)
+    }
+
+    /// How far a member goes in its gap per arc of its stop: c of a pendulum, 1 of a mass.
+    pub(super) fn turned_by(&self, k: usize, place: &Place<R>) -> R {
+        self.hanging(k).map_or(R::ONE, |is| self.cosine(k, is, place))
     }
 
     /// By how much less a member accelerates away from its point than a free mass: β c² of a pendulum.

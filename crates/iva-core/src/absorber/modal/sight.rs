@@ -15,7 +15,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
         let to = &end.places[k];
         let friction = self.system.friction[k];
         if from.carried() {
-            let friction = self.system.static_friction[k];
+            let friction = self.system.held_up_to(k, from);
             let signs = if from.stuck { [-from.side; 2] } else { [R::ONE, -R::ONE] };
             return signs.into_iter().all(|sign| {
                 let carries = |[a, jerk, ..]: [R; 4]| [sign.mul_add(a, friction), sign * jerk];

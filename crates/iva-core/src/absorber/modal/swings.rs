@@ -129,7 +129,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let flying = (0..self.count()).filter(|k| !places[*k].carried());
         let hanging = flying.filter_map(|index| {
             let is = self.hanging(index)?;
-            let series = Growing::new(is, self.posture(index, is, &places[index]));
+            let place = &places[index];
+            let rubbed = self.rubbing(index, place);
+            let series = Growing::new(is, self.posture(index, is, place), rubbed);
             Some(Swing { index, shape: self.shape(index), series })
         });
         hanging.collect()

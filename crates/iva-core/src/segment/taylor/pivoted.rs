@@ -43,6 +43,8 @@ pub(crate) struct Growing<'a, R, T, const LENGTH: usize> {
     /// (c W)_k of the order at hand without c₀ W_k.
     swung: T,
     over_b2: T,
+    /// s R of the friction in the pivot.
+    rubbed: R,
 }
 
 impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LENGTH> {
@@ -50,7 +52,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
     const LAST: usize = LENGTH - 4;
 
     #[inline(always)]
-    pub fn new(pendulum: &'a Pendulum<R>, begin: Posture<T>) -> Self {
+    pub fn new(pendulum: &'a Pendulum<R>, begin: Posture<T>, rubbed: R) -> Self {
         let zero = T::from_real(R::ZERO);
         let row = [zero; LENGTH];
         let b = T::from_real(pendulum.contact_distance);
@@ -69,6 +71,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
             swept: zero,
             swung: zero,
             over_b2,
+            rubbed,
         };
         let Posture { y, w, c, arc } = begin;
         (growing.y[0], growing.w[0], growing.c[0], growing.arc[0]) = (y, w, c, arc);
@@ -84,7 +87,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
         number: impl Fn(Q) -> T,
     ) -> Self {
         let [y, w, c, arc] = [first.y[0], first.w[0], first.c[0], first.arc[0]].map(&number);
-        let mut own = Self::new(first.pendulum, Posture { y, w, c, arc });
+        let mut own = Self::new(first.pendulum, Posture { y, w, c, arc }, first.rubbed);
         for k in 1..=order {
             (own.y[k], own.c[k]) = (number(first.y[k]), number(first.c[k]));
             (own.w[k], own.a[k - 1]) = (number(first.w[k]), number(first.a[k - 1]));
@@ -101,6 +104,9 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
         let n = T::from_real;
         let is = self.pendulum;
         let mut rest = n(is.frequency_squared) * self.y[k];
+        if k == 0 {
+            rest = rest + n(self.rubbed);
+        }
         if is.pivot_damping != 0.0 {
             rest = n(is.pivot_damping).fused(self.w[k], rest);
         }
