@@ -38,9 +38,10 @@ class Design:
     Of several absorbers, of which there are so many, they are those of one. Without absorber
     `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
     `gap_offset` ± `clearance`. `gravity_along` is that part of gravity which acts along the motion
-    of a free mass, 0 where that is level. `friction` is the force m k g cos α on a mass that
-    rubs, `spring` and `gap_damping` are the constants k and c of the spring and of the dashpot
-    between a free mass and its structure; 0 without.
+    of a free mass, 0 where that is level. `friction` is the force m k g cos α on a mass that rubs,
+    of a pendulum the moment in its pivot over the contact distance; `spring` and `gap_damping` are
+    the constants k and c of the spring and of the dashpot between a free mass and its structure; 0
+    without.
     """
 
     absorbers: int

@@ -627,6 +627,11 @@ class Piva(Part):
         b > 0 from the pivot to the point of contact; the length by default.
     pivot_damping_ratio : float, optional
         Damping ratio ≥ 0 of the hanging pendulum; 0 by default.
+    friction : float, optional
+        T/(m g L) ≥ 0 of a moment T of Coulomb friction in the pivot, 0 by default: the sine of the
+        largest angle at which it holds the pendulum at rest under gravity alone.
+    static_friction : float, optional
+        The same at rest, `friction` at least (the default).
     spring_ratio : float, optional
         σ = ωs/ωn ≥ 0 of a torsional spring in the pivot, of moment −k θ: ωs² = k/I is the frequency
         of the pendulum on that spring alone. 0, no spring, by default. Its stops must be in reach.
@@ -681,6 +686,8 @@ class Piva(Part):
     inertia_ratio: float | None = None
     contact_distance: float | None = None
     pivot_damping_ratio: float | None = None
+    friction: float | None = None
+    static_friction: float | None = None
     spring_ratio: float | None = None
     angles: Literal["large", "small"] = "large"
     impact_law: Literal["consistent", "printed"] = "consistent"

@@ -126,12 +126,17 @@ pub fn design<'py>(
     let along = scene.gravity_along(number).map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
     let tie = scene.tie_of(number);
-    let friction = scene.friction_of(number) * stiffness;
-    numbers
-        .set_item("friction", friction * scale.mass * absorber.map_or(0.0, |it| it.mass_ratio))?;
     numbers.set_item("spring", tie.spring * scale.mass * stiffness)?;
     numbers.set_item("gap_damping", tie.damping * scale.mass * scale.natural_frequency)?;
     let parameters = scene.pendulum_of(number);
+    // I/(m b²), to which the deceleration of a pendulum at its point of contact belongs.
+    let heavier = parameters.map_or(1.0, |it| {
+        let lever = it.length / it.contact_distance;
+        it.inertia_ratio * (lever * lever)
+    });
+    let inertia = absorber.map_or(0.0, |it| it.mass_ratio) * heavier;
+    let friction = scene.friction_of(number) * stiffness;
+    numbers.set_item("friction", friction * scale.mass * inertia)?;
     let pendulum = parameters.map(|pendulum| {
         let own = PyDict::new(py);
         let hangs = scene.has_angle();

@@ -272,8 +272,8 @@ fields! {
     ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva Piva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
-    Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity" Siva;
-    StaticFriction: Absorber "static_friction" Ratio NonNegative "static_friction" "coefficient of friction of a mass at rest, at least that of a slide (default: friction)" Siva;
+    Friction: Absorber "friction" Ratio NonNegative "friction" "coefficient of Coulomb friction between the mass and its way (default 0), times gravity across the motion; needs gravity; of a pendulum the moment in its pivot over m g L, the sine of the angle up to which it is held" Siva Piva;
+    StaticFriction: Absorber "static_friction" Ratio NonNegative "static_friction" "the same at rest, at least that of a slide (default: friction)" Siva Piva;
     GapDamping: Absorber "gap_damping" Damping NonNegative "gap_damping" "constant c of a linear dashpot between mass and structure, of all units together (default 0); needs a primary mass" Siva;
     GapDampingRatio: Absorber "gap_damping_ratio" Ratio NonNegative "gap_damping" "the same as c / (2 M ωn): the damping ratio that it would give a primary beside a mass at rest" Siva;
     Spring: Absorber "spring" Stiffness NonNegative "spring" "stiffness k of a linear spring between mass and structure, slack at gap displacement 0, of all units together (default 0); needs a primary mass" Siva;

@@ -185,7 +185,7 @@ def split_of(run: Run) -> Split:
         layers["impacts"] += row["energy_impacts"] - layers["impacts"][-1]
     each = zip(designs, motions, strict=True)
     rubbed = sum(
-        (one.friction * np.abs(np.diff(motion["gap_displacement"])) for one, motion in each),
+        (one.friction * np.abs(np.diff(way_of(one, motion))) for one, motion in each),
         start=np.zeros_like(steps),
     )
     layers["friction"] = cumulative(np.where(still, 0.0, np.nan_to_num(rubbed)))
@@ -215,6 +215,14 @@ def split_of(run: Run) -> Split:
     if layers["friction"][-1] > 0.0:
         names.append("friction")
     return Split(time, {name: layers[name] for name in names})
+
+
+def way_of(design: Design, motion: Motion) -> Numbers:
+    """Return the way of friction: in the gap, or of a pendulum along the arc of its stop."""
+    pendulum = design.pendulum
+    if pendulum is None or pendulum.small or pendulum.contact_distance is None:
+        return motion["gap_displacement"]
+    return pendulum.contact_distance * motion["angle"]
 
 
 def cumulative(parts: Numbers) -> Numbers:

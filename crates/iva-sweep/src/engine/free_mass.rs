@@ -8,14 +8,14 @@ use super::scale::Scale;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 
-/// What weight does to a free mass whose line of motion is inclined, or that rubs.
+/// What weight does to a free mass whose line of motion is inclined, or to an absorber that rubs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Weight<R = f64> {
     /// Acceleration of gravity g, in the user's unit.
     pub gravity: R,
     /// G = g sin α along the motion, in natural units; 0 where it is level.
     pub along: R,
-    /// The deceleration k g cos α by friction, in natural units; `None` without.
+    /// The deceleration by friction, k g cos α of a free mass, in natural units; `None` without.
     pub friction: Option<R>,
     /// The same at rest; `None` if it is not larger.
     pub static_friction: Option<R>,

@@ -58,10 +58,10 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// friction, in a list an inclination, for a pendulum an offset of its gap or a restitution that depends on the speed, one wall only, and a stop on the
+/// friction, in a list an inclination, for a pendulum an offset of its gap, friction in its pivot or a restitution that depends on the speed, one wall only, and a stop on the
 /// ground.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
-    let of_pendulum = [F::GapOffset, F::GapOffsetMm, F::ReferenceSpeed, F::YieldSpeed];
+    let of_pendulum = [F::GapOffset, F::GapOffsetMm, F::ReferenceSpeed, F::YieldSpeed, F::Friction];
     let pendulums = || {
         let all = (0..given.spec.count()).map(|absorber| given.of(absorber));
         all.filter(|own| own.choices().kind == Kind::Piva)

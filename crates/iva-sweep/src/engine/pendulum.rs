@@ -4,6 +4,7 @@ use iva_core::absorber::Start;
 use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
 use iva_core::real::Real;
 
+use super::free_mass::{self, Weight};
 use super::given::Given;
 use super::scale::Scale;
 use crate::choices::{Angles, Choices, ImpactLaw};
@@ -67,6 +68,29 @@ pub(crate) fn parameters<R: Real>(
         tolerance: given.get(FieldId::Tolerance).unwrap_or(R::ZERO),
     };
     Ok((parameters, hanging.map(|hanging| hanging.gravity)))
+}
+
+/// The friction in the pivot: a moment T has the coefficient T/(m g L), and decelerates a pendulum by r² b times that.
+///
+/// # Errors
+/// [`Invalid`] without a length, as the angle at which friction holds the pendulum is then unknown, and for less friction at rest than in a swing.
+pub(super) fn friction<R: Real>(
+    given: &Given<'_, R>,
+    (parameters, gravity): &(Parameters<R>, Option<R>),
+) -> Result<Option<Weight<R>>, Invalid> {
+    let at_rest = free_mass::at_rest(given)?;
+    let Some(coefficient) = given.get(FieldId::Friction).filter(|it| *it != 0.0) else {
+        return Ok(None);
+    };
+    let Some(gravity) = *gravity else {
+        let rule = "friction in the pivot needs the length of the pendulum";
+        return Err(Invalid::missing(given.path(FieldId::Length), rule));
+    };
+    let ratio = parameters.frequency_ratio;
+    let hanging = ratio * ratio * parameters.contact_distance;
+    let [friction, static_friction] =
+        [Some(coefficient), at_rest].map(|it| it.map(|it| it * hanging));
+    Ok(Some(Weight { gravity, along: R::ZERO, friction, static_friction }))
 }
 
 fn swing<R: Real>(

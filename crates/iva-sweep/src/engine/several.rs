@@ -44,8 +44,9 @@ pub(super) fn each<R: Real>(
         if given.choices().kind == Kind::Piva {
             let hanging = hanging(given, unit, scale, units)?;
             let gap = hanged(given, &hanging.0, scale, mass.offset())?;
+            let weight = pendulum::friction(given, &hanging)?;
             let hanging = Some(hanging);
-            return take(given.absorber, Member { mass, hanging, gap, weight: None });
+            return take(given.absorber, Member { mass, hanging, gap, weight });
         }
         if given.choices().kind == Kind::Stop {
             return take(given.absorber, Member { mass, hanging: None, gap, weight: None });

@@ -1,0 +1,203 @@
+"""Friction in the pivot of a pendulum: the terms of a swing, and the structure it hangs from.
+
+Numbers come from pencil and paper (small swings below a structure that hardly moves) and from
+Lagrange's equations of structure and pendulum, which SciPy's DOP853 integrates from event to event.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import iva
+
+MU, LENGTH, KAPPA, CONTACT = 0.2, 1.0, 1.2, 0.8
+RATIO, RESTITUTION, CLEARANCE, DAMPING = 0.7, 0.6, 0.5, 0.01
+#: g of these, in natural units.
+GRAVITY = KAPPA * LENGTH * RATIO**2
+
+
+def hanging(friction: float, **more: float) -> iva.Piva:
+    return iva.Piva(
+        mass_ratio=MU,
+        restitution=RESTITUTION,
+        clearance=CLEARANCE,
+        frequency_ratio=RATIO,
+        length=LENGTH,
+        inertia_ratio=KAPPA,
+        contact_distance=CONTACT,
+        friction=friction,
+        **more,
+    )
+
+
+def integrated(
+    friction: float, at_rest: float, amplitude: float, omega: float, start: list[float], end: float
+) -> tuple[list[float], list[float], int]:
+    """Return the instants of impacts and stops, and how often the pendulum was held.
+
+    States are x, v, θ, θ̇; f is cos Ωt.
+    """
+    own, weight = MU * KAPPA * LENGTH**2, MU * GRAVITY * LENGTH
+    limits = [moment * weight for moment in (friction, at_rest)]
+
+    def pushed(t: float, state: np.ndarray) -> float:
+        x, v, _, _ = state
+        return amplitude * math.cos(omega * t) - x - 2 * DAMPING * v
+
+    def swing(t: float, state: np.ndarray, sign: float) -> list[float]:
+        _, v, angle, rate = state
+        across = MU * LENGTH * math.cos(angle)
+        sine = math.sin(angle)
+        matrix = [[1 + MU, across], [across, own]]
+        forces = [
+            pushed(t, state) + MU * LENGTH * rate**2 * sine,
+            -weight * sine - limits[0] * sign,
+        ]
+        acceleration = np.linalg.solve(matrix, forces)
+        return [v, acceleration[0], rate, acceleration[1]]
+
+    def ride(t: float, state: np.ndarray) -> list[float]:
+        return [state[1], pushed(t, state) / (1 + MU), 0.0, 0.0]
+
+    def turning(t: float, state: np.ndarray) -> float:
+        """Return the moment that friction has to carry."""
+        angle = state[2]
+        shaken = MU * LENGTH * math.cos(angle) * pushed(t, state) / (1 + MU)
+        return -shaken - weight * math.sin(angle)
+
+    t, state = 0.0, np.array(start)
+    impacts, stops, holds = [], [], 0
+    wall = math.asin(CLEARANCE / CONTACT)
+    precise = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, "max_step": 0.05}
+
+    def begin(t: float, state: np.ndarray) -> float:
+        if state[3] != 0.0:
+            return math.copysign(1.0, state[3])
+        moment = turning(t, state)
+        return 0.0 if abs(moment) <= limits[1] else math.copysign(1.0, moment)
+
+    sign = begin(t, state)
+    while t < end:
+        if sign == 0.0:
+            holds += 1
+
+            def slips(t: float, state: np.ndarray) -> float:
+                return limits[1] - abs(turning(t, state))
+
+            slips.terminal, slips.direction = True, -1.0
+            found = solve_ivp(ride, (t, end), state, events=[slips], **precise)
+            t, state = float(found.t[-1]), found.y[:, -1].copy()
+            if found.status == 1:
+                sign = math.copysign(1.0, turning(t, state))
+            continue
+
+        def stop(_t: float, state: np.ndarray) -> float:
+            return state[3]
+
+        def meets(_t: float, state: np.ndarray, sign: float = sign) -> float:
+            return wall - sign * state[2]
+
+        stop.terminal, stop.direction = True, -sign
+        meets.terminal, meets.direction = True, -1.0
+        found = solve_ivp(
+            lambda t, state, sign=sign: swing(t, state, sign),
+            (t, end),
+            state,
+            events=[stop, meets],
+            **precise,
+        )
+        t, state = float(found.t[-1]), found.y[:, -1].copy()
+        if found.status != 1:
+            break
+        if found.t_events[1].size:
+            impacts.append(t)
+            share = MU * LENGTH * math.cos(state[2]) / (1 + MU)
+            state[1] += share * (1 + RESTITUTION) * state[3]
+            state[3] *= -RESTITUTION
+        else:
+            stops.append(t)
+            state[3] = 0.0
+        sign = begin(t, state)
+    return impacts, stops, holds
+
+
+@pytest.mark.parametrize(
+    ("friction", "at_rest", "amplitude", "omega"),
+    [(0.05, 0.05, 0.0, 1.0), (0.1, 0.1, 0.12, 0.9), (0.3, 0.4, 0.25, 0.55), (0.2, 0.2, 0.1, 1.05)],
+)
+def test_the_swing_is_that_of_lagranges_equations(
+    friction: float, at_rest: float, amplitude: float, omega: float
+) -> None:
+    start = [1.0, 0.0, 0.3, 0.0]
+    end = 60.0
+    impacts, stops, holds = integrated(friction, at_rest, amplitude, omega, start, end)
+    force = iva.Harmonic(amplitude=amplitude, frequency=omega) if amplitude else None
+    run = iva.simulate(
+        hanging(friction, static_friction=at_rest),
+        iva.Primary(damping_ratio=DAMPING),
+        start=iva.Start(displacement=1.0, angle=0.3),
+        force=force,
+        duration=end,
+    )
+    row = run.summary.row(0, named=True)
+    times = run.impacts["time"].to_numpy()
+    assert len(times) == len(impacts) > 3
+    assert np.abs(times - impacts).max() < 1e-8
+    assert row["stops"] == len(stops) > 3
+    assert row["energy_friction"] > 0.0
+    assert abs(row["energy_residual"]) < 1e-12
+    assert (row["time_held"] > 0.0) == (holds > 0)
+
+
+def test_friction_holds_up_to_its_angle() -> None:
+    for angle, held in ((0.0999, True), (0.1002, False)):
+        run = iva.simulate(
+            hanging(math.sin(0.1)),
+            iva.Primary(damping_ratio=DAMPING),
+            start=iva.Start(angle=angle),
+            duration=20.0,
+        )
+        assert (run.summary["time_held"][0] == 20.0) is held
+
+
+def test_units_lists_and_sweeps_take_it() -> None:
+    damper = hanging(0.08)
+    mass = iva.Siva(mass_ratio=0.05, restitution=0.5, clearance=0.3)
+    primary = iva.Primary(damping_ratio=DAMPING)
+    common = {"start": iva.Start(displacement=1.0, angle=0.2), "duration": 30.0}
+    run = iva.simulate([damper, mass], primary, **common)
+    assert run.summary["energy_friction"][0] > 0.0
+    assert abs(run.summary["energy_residual"][0]) < 1e-12
+    swept = iva.sweep(
+        damper, primary, over={"absorber.friction": [0.0, 0.08], "absorber.units": [1, 2]}, **common
+    )
+    taken = swept.summary["energy_friction"].to_list()
+    assert len(taken) == 4
+    assert sum(energy > 0.0 for energy in taken) == 2
+    alone = iva.simulate(damper, primary, **common)
+    assert alone.summary["energy_friction"][0] in taken
+    assert iva.verify(alone)
+
+
+def test_what_is_missing_is_said() -> None:
+    small = iva.Piva(
+        mass_ratio=0.1,
+        restitution=0.5,
+        clearance=0.5,
+        frequency_ratio=0.7,
+        angles="small",
+        friction=0.1,
+    )
+    with pytest.raises(ValueError, match="length"):
+        iva.simulate(small, iva.Primary(), start=iva.Start(displacement=1.0), duration=10.0)
+    with pytest.raises(ValueError, match="give at least friction"):
+        iva.simulate(
+            hanging(0.2, static_friction=0.1),
+            iva.Primary(),
+            start=iva.Start(displacement=1.0),
+            duration=10.0,
+        )
