@@ -618,6 +618,11 @@ class Piva(Part):
     length : float, optional
         L > 0 from the pivot to the centre of mass, in the unit of lengths. Needed unless angles are
         small, where the motion of a point bob does not depend on it (no angle is reported then).
+    friction : float, optional
+        T/(m g L) ≥ 0 of a moment T of Coulomb friction in the pivot, 0 by default: the sine of the
+        largest angle at which it holds the pendulum at rest under gravity alone.
+    static_friction : float, optional
+        The same at rest, `friction` at least (the default).
     gravity : float, optional
         Acceleration of gravity g > 0. Follows from `frequency_ratio` and `length`; in SI units
         9.80665 m/s² if `frequency_ratio` is not given. All three must agree to 1e-9.
@@ -627,11 +632,6 @@ class Piva(Part):
         b > 0 from the pivot to the point of contact; the length by default.
     pivot_damping_ratio : float, optional
         Damping ratio ≥ 0 of the hanging pendulum; 0 by default.
-    friction : float, optional
-        T/(m g L) ≥ 0 of a moment T of Coulomb friction in the pivot, 0 by default: the sine of the
-        largest angle at which it holds the pendulum at rest under gravity alone.
-    static_friction : float, optional
-        The same at rest, `friction` at least (the default).
     spring_ratio : float, optional
         σ = ωs/ωn ≥ 0 of a torsional spring in the pivot, of moment −k θ: ωs² = k/I is the frequency
         of the pendulum on that spring alone. 0, no spring, by default. Its stops must be in reach.
@@ -682,12 +682,12 @@ class Piva(Part):
     clearance_spread: float | None = None
     frequency_ratio: float | None = None
     length: float | None = None
+    friction: float | None = None
+    static_friction: float | None = None
     gravity: float | None = None
     inertia_ratio: float | None = None
     contact_distance: float | None = None
     pivot_damping_ratio: float | None = None
-    friction: float | None = None
-    static_friction: float | None = None
     spring_ratio: float | None = None
     angles: Literal["large", "small"] = "large"
     impact_law: Literal["consistent", "printed"] = "consistent"
