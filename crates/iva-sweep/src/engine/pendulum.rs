@@ -2,6 +2,7 @@
 
 use iva_core::absorber::Start;
 use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
+use iva_core::range;
 use iva_core::real::Real;
 
 use super::free_mass::{self, Weight};
@@ -73,7 +74,8 @@ pub(crate) fn parameters<R: Real>(
 /// The friction in the pivot: a moment T has the coefficient T/(m g L), and decelerates a pendulum by r² b times that.
 ///
 /// # Errors
-/// [`Invalid`] without a length, as the angle at which friction holds the pendulum is then unknown, and for less friction at rest than in a swing.
+/// [`Invalid`] without a length, as the angle at which friction holds the pendulum is then unknown, for less friction at rest than in a swing, and where that
+/// deceleration is out of [`iva_core::range`].
 pub(super) fn friction<R: Real>(
     given: &Given<'_, R>,
     (parameters, gravity): &(Parameters<R>, Option<R>),
@@ -88,8 +90,16 @@ pub(super) fn friction<R: Real>(
     };
     let ratio = parameters.frequency_ratio;
     let hanging = ratio * ratio * parameters.contact_distance;
-    let [friction, static_friction] =
-        [Some(coefficient), at_rest].map(|it| it.map(|it| it * hanging));
+    let slowed = |field: FieldId, coefficient: R| {
+        let slowed = coefficient * hanging;
+        range::size("", slowed).map_err(|error| {
+            let rule = format!("{} for friction r² b, which is {}", error.allowed, number(slowed));
+            Invalid::new(given.path(field), number(coefficient), rule)
+        })?;
+        Ok(slowed)
+    };
+    let friction = Some(slowed(FieldId::Friction, coefficient)?);
+    let static_friction = at_rest.map(|it| slowed(FieldId::StaticFriction, it)).transpose()?;
     Ok(Some(Weight { gravity, along: R::ZERO, friction, static_friction }))
 }
 
