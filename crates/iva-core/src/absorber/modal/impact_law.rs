@@ -38,7 +38,7 @@ use crate::number::real::Real;
 /// A velocity in space below this, in units of 2⁻⁵² of the velocities that it is the sum of, is 0.
 const AT_REST_ULPS: f64 = 4.0;
 
-/// A search that goes through two to the power of so many sets of carried masses has gone in circles: one seldom goes through more than there are masses.
+/// A search of which masses are carried ends after two to the power of so many sets: it seldom goes through more than there are masses.
 pub(super) const MOST_CHANGED: usize = 12;
 
 /// Impulses at one instant, and which of the stuck masses stay stuck.
@@ -82,11 +82,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 None => -outside[k],
             }
         });
-        let mut impulses = [DoubleDouble::ZERO; N];
-        // No set comes twice; rounding could let two alternate that differ by nothing.
-        for _ in 0..2_usize << self.count().min(MOST_CHANGED) {
+        let mut seen = None;
+        for step in 1..=2_usize << MOST_CHANGED {
             let whole = |k: usize| struck[k].is_some() || carried[k];
-            impulses = self.impulses(&self.moved_along(places, whole), rhs);
+            let impulses = self.impulses(&self.moved_along(places, whole), rhs);
+            // Without rounding no set comes twice. Sets that alternate differ by nothing, and any of them is right.
+            if seen == Some((carried, hops)) {
+                return Blow { impulses, carried };
+            }
+            if step.is_power_of_two() {
+                seen = Some((carried, hops));
+            }
             let breaks = |k: &usize| {
                 let side = places[*k].side;
                 places[*k].stuck
@@ -114,10 +120,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
                 pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
             };
-            let Some(k) = (0..self.count()).find(hopping) else { break };
+            let Some(k) = (0..self.count()).find(hopping) else {
+                return Blow { impulses, carried };
+            };
             (hops[k], carried[k]) = (true, true);
         }
-        Blow { impulses, carried }
+        // Not found: the run ends as not finite, rather than with any of the sets.
+        Blow { impulses: [DoubleDouble::new(R::NAN); N], carried }
     }
 
     /// The reciprocals of the inertias that move with their points in a blow: `whole` members, and parts of the pendulums in flight.
