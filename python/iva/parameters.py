@@ -623,6 +623,13 @@ class Piva(Part):
         largest angle at which it holds the pendulum at rest under gravity alone.
     static_friction : float, optional
         The same at rest, `friction` at least (the default).
+    inclination : float, optional
+        Angle in rad by which the line rises on which structure and pivot move, towards the + wall,
+        from 0 (level, the default) to π/2 (upright). The pendulum hangs down all the same, and the
+        motion of the structure then changes the stiffness that gravity gives it. Displacements
+        are measured from where the structure rests under the weight of the pendulum.
+    inclination_deg : float, optional
+        The same in degrees, from 0 to 90.
     gravity : float, optional
         Acceleration of gravity g > 0. Follows from `frequency_ratio` and `length`; in SI units
         9.80665 m/s² if `frequency_ratio` is not given. All three must agree to 1e-9.
@@ -684,6 +691,8 @@ class Piva(Part):
     length: float | None = None
     friction: float | None = None
     static_friction: float | None = None
+    inclination: float | None = None
+    inclination_deg: float | None = None
     gravity: float | None = None
     inertia_ratio: float | None = None
     contact_distance: float | None = None

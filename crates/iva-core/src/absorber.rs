@@ -163,10 +163,11 @@ pub trait Absorber: ImpactLaw {
     fn lever(&self) -> Self::Real {
         Self::Real::ONE
     }
-    /// [`Absorber::lever`] of the absorber of this index.
+    /// Displacement, velocity and acceleration of the centre of mass of the absorber of this index relative to the structure, along the line of its motion, from those
+    /// in its gap.
     #[inline(always)]
-    fn lever_of(&self, _absorber: usize) -> Self::Real {
-        self.lever()
+    fn beside(&self, _absorber: usize, gap: [Self::Real; 3]) -> [Self::Real; 3] {
+        gap.map(|it| self.lever() * it)
     }
 
     /// Checks that a start lies in the gap.

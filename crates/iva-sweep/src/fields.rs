@@ -277,8 +277,8 @@ fields! {
     GapDamping: Absorber "gap_damping" Damping NonNegative "gap_damping" "constant c of a linear dashpot between mass and structure, of all units together (default 0); needs a primary mass" Siva;
     GapDampingRatio: Absorber "gap_damping_ratio" Ratio NonNegative "gap_damping" "the same as c / (2 M ωn): the damping ratio that it would give a primary beside a mass at rest" Siva;
     Spring: Absorber "spring" Stiffness NonNegative "spring" "stiffness k of a linear spring between mass and structure, slack at gap displacement 0, of all units together (default 0); needs a primary mass" Siva;
-    Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
-    InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "angle by which the line of motion rises, in degrees: 90 upright" Siva;
+    Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright; of a pendulum the line on which structure and pivot move" Siva Piva;
+    InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "the same in degrees: 90 upright" Siva Piva;
     Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination or friction" Siva Piva;
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
     ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;

@@ -65,7 +65,7 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
         // quantities.
         let nothing = value == 0.0
             && default.is_none_or(|default| default == 0.0)
-            && !(slot.field == FieldId::GapDisplacement && study.rises());
+            && !(slot.field == FieldId::GapDisplacement && study.begins_on_a_stop());
         if !swept && !nothing && default != Some(value) {
             add(slot.path().as_bytes());
             add(&value.to_le_bytes());

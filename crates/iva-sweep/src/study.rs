@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use iva_core::error::Invalid;
 
+use crate::choices::Kind;
 use crate::columns::Selection;
 use crate::design::{Design, Spec};
 use crate::fields::{FieldId, Part};
@@ -200,13 +201,17 @@ impl Study {
             FieldId::Gravity => {
                 self.spec(self.sampling.first()).ok()?.standard_gravity_of(0).ok()?
             }
-            FieldId::GapDisplacement if self.rises() => None,
+            FieldId::GapDisplacement if self.begins_on_a_stop() => None,
             _ => field.default(),
         }
     }
 
-    /// True if the line of motion is inclined at some point: then the absorber starts on its lower stop by
-    /// default.
+    /// True if the absorber starts on its lower stop by default: a free mass whose line of motion is inclined at some point.
+    pub fn begins_on_a_stop(&self) -> bool {
+        self.rises() && self.spec.choices().kind == Kind::Siva
+    }
+
+    /// True if the line of motion is inclined at some point.
     pub fn rises(&self) -> bool {
         let fields = [FieldId::Inclination, FieldId::InclinationDeg];
         let given = |field: FieldId| self.spec.get(field).is_some_and(|value| value != 0.0);

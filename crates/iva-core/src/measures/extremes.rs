@@ -89,7 +89,7 @@ impl<R: Real> Extremes<R> {
         let ends = [span.motion.origin(), span.end].map(|state| {
             let s = system.wall(state).sign();
             let y = system.offset_of(0) + (system.clearance() - system.distance(state).value) * s;
-            (y, (system.primary(state).x + system.lever_of(0) * y).abs())
+            (y, (system.primary(state).x + system.beside(0, [y, R::ZERO, R::ZERO])[0]).abs())
         });
         let [(from, p), (to, q)] = ends;
         let reach = bent * most.gap;

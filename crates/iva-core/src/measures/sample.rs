@@ -7,7 +7,7 @@ use crate::engine::simulate::wall::presses;
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::number::clock::SLACK;
 use crate::number::real::Real;
-use crate::segment::flight::{Motion, Seen};
+use crate::segment::flight::{GapPoint, Motion, Seen};
 
 /// Primary and absorber at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,13 +43,13 @@ fn accelerations<S: Absorber>(system: &S, state: &S::State) -> [S::Real; 2] {
     let structure = flight.acceleration(S::Real::ZERO);
     let own = flight.acceleration_at(system.at_hand(state), S::Real::ZERO).unwrap_or(structure);
     // A state in contact may hold the acceleration of a state close by, so it is computed anew.
-    let beside = gap_acceleration(system, &flight.state(S::Real::ZERO));
-    [structure, own + system.lever_of(system.at_hand(state)) * beside]
+    [structure, own + beside(system, &flight.state(S::Real::ZERO), flight.gap(S::Real::ZERO))]
 }
 
-/// ÿ of an absorber free in its gap: the distance to a wall s is d − s y.
-fn gap_acceleration<S: Absorber>(system: &S, state: &S::State) -> S::Real {
-    -(system.distance(state).curvature * system.wall(state).sign())
+/// The acceleration beside the structure of an absorber free in its gap: the distance to a wall s is d − s y.
+fn beside<S: Absorber>(system: &S, state: &S::State, gap: GapPoint<S::Real>) -> S::Real {
+    let bend = -(system.distance(state).curvature * system.wall(state).sign());
+    system.beside(system.at_hand(state), [gap.y, gap.w, bend])[2]
 }
 
 /// An observer that samples a run at increasing instants. At the instant of an impact it takes the state
@@ -110,7 +110,7 @@ impl<R: Real> Sampler<R> {
             let (wall, state) = (motion.wall_of(absorber), system.turned_to(&state, absorber));
             let beside = match wall {
                 Some(_) => R::ZERO,
-                None => system.lever_of(absorber) * gap_acceleration(system, &state),
+                None => beside(system, &state, gap),
             };
             let own = motion.acceleration_at(absorber, h).unwrap_or(acceleration);
             self.states.push(State {

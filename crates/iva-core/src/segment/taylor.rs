@@ -85,6 +85,10 @@ pub struct Pendulum<R = f64> {
     pub spring: Spring<R>,
     /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
     pub small_angles: bool,
+    /// cos α of the line on which its pivot moves, which rises by α: 1 of a level one.
+    pub level: R,
+    /// sin α.
+    pub rise: R,
 }
 
 /// The forms that the equations take. Lanes compute one of them.
@@ -111,6 +115,8 @@ laned!(
         pivot_damping: f64,
         spring: Spring,
         small_angles: bool,
+        level: f64,
+        rise: f64,
     }
 );
 
@@ -176,7 +182,50 @@ impl<R: Real> Pendulum<R> {
             pivot_damping: number(self.pivot_damping),
             spring: self.spring.map(&number),
             small_angles: self.small_angles,
+            level: number(self.level),
+            rise: number(self.rise),
         }
+    }
+
+    /// γ = cos(θ − α) = c cos α + sinθ sin α, what the pivot and the arc of the pendulum have of one direction: c where the pivot moves level.
+    #[inline(always)]
+    pub(crate) fn lean<T: Number<Real = R>>(&self, y: T, c: T) -> T {
+        if self.rise == 0.0 {
+            return c;
+        }
+        let n = T::from_real;
+        n(self.level) * c + n(self.rise) * (y / n(self.contact_distance))
+    }
+
+    /// sin(θ − α): sinθ where the pivot moves level, 0 at small angles.
+    #[inline(always)]
+    fn aside<T: Number<Real = R>>(&self, y: T, c: T) -> T {
+        let n = T::from_real;
+        let sine = if self.small_angles { n(R::ZERO) } else { y / n(self.contact_distance) };
+        if self.rise == 0.0 { sine } else { n(self.level) * sine - n(self.rise) * c }
+    }
+
+    /// p = b sin(θ − α) + b sin α, how far a pendulum of the length b has swung along the line of its pivot, from 1 − c: y where that is level.
+    #[inline(always)]
+    pub(crate) fn beside<T: Number<Real = R>>(&self, y: T, raised: T) -> T {
+        if self.rise == 0.0 {
+            return y;
+        }
+        let n = T::from_real;
+        n(self.level) * y + n(self.rise * self.contact_distance) * raised
+    }
+
+    /// [`Self::beside`] with its velocity and acceleration, from those of the gap.
+    pub(crate) fn swung_beside(&self, [y, w, bend]: [R; 3]) -> [R; 3] {
+        if self.rise == 0.0 {
+            return [y, w, bend];
+        }
+        let (c, over_b) = (self.cosine(y), R::ONE / self.contact_distance);
+        let (sine, turned) = (y * over_b, w / c);
+        let lean = self.level + self.rise * sine / c;
+        let raised = sine * sine / (R::ONE + c);
+        let whirled = self.rise * over_b * turned * turned / c;
+        [self.beside(y, raised), lean * w, lean * bend + whirled]
     }
 
     /// The fastest rate in the equations but for the swing: of the primary, of the pendulum.
@@ -224,16 +273,16 @@ impl<R: Real> Pendulum<R> {
     /// which nothing cancels however heavy the pendulum is.
     #[inline(always)]
     pub fn inertia<T: Number<Real = R>>(&self, y: T) -> T {
-        T::from_real(R::ONE) + self.own_inertia(y)
+        T::from_real(R::ONE) + self.own_inertia(y, T::from_real(R::ONE))
     }
 
-    /// The part of [`Self::inertia`] that is the pendulum's.
+    /// The part of [`Self::inertia`] that is the pendulum's: μ (1 − γ²/κ). c counts only where the pivot does not move level.
     #[inline(always)]
-    pub(crate) fn own_inertia<T: Number<Real = R>>(&self, y: T) -> T {
+    pub(crate) fn own_inertia<T: Number<Real = R>>(&self, y: T, c: T) -> T {
         let n = T::from_real;
-        let sine = if self.small_angles { n(R::ZERO) } else { y / n(self.contact_distance) };
+        let aside = self.aside(y, c);
         let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
-        share * (n(self.inertia_ratio - 1.0) + sine * sine)
+        share * (n(self.inertia_ratio - 1.0) + aside * aside)
     }
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.

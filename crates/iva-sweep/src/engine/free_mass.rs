@@ -29,12 +29,7 @@ pub(crate) fn weight<R: Real>(
     given: &Given<'_, R>,
     scale: &Scale<R>,
 ) -> Result<Option<Weight<R>>, Invalid> {
-    given.at_most_one(&[FieldId::Inclination, FieldId::InclinationDeg])?;
-    let degree = R::TURN.over(360.0);
-    let angle = given
-        .get(FieldId::Inclination)
-        .map(DoubleDouble::new)
-        .or_else(|| given.get(FieldId::InclinationDeg).map(|degrees| degree.times(degrees)));
+    let angle = inclination(given)?;
     let gravity = given.get(FieldId::Gravity);
     let coefficient = given.get(FieldId::Friction);
     let at_rest = at_rest(given)?;
@@ -65,6 +60,19 @@ pub(crate) fn weight<R: Real>(
     let pressing = cosine.value.max(0.0) * gravity / (omega * omega);
     let [friction, static_friction] = [coefficient, at_rest].map(|it| it.map(|it| it * pressing));
     Ok(Some(Weight { gravity, along, friction, static_friction }))
+}
+
+/// The angle by which the line of motion rises, in rad, if it is given.
+///
+/// # Errors
+/// [`Invalid`] where it is given in both units.
+pub(super) fn inclination<R: Real>(
+    given: &Given<'_, R>,
+) -> Result<Option<DoubleDouble<R>>, Invalid> {
+    given.at_most_one(&[FieldId::Inclination, FieldId::InclinationDeg])?;
+    let degree = R::TURN.over(360.0);
+    let in_degrees = || given.get(FieldId::InclinationDeg).map(|degrees| degree.times(degrees));
+    Ok(given.get(FieldId::Inclination).map(DoubleDouble::new).or_else(in_degrees))
 }
 
 /// The coefficient of friction at rest, if it is larger than that of a slide.

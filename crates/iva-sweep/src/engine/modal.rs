@@ -3,6 +3,7 @@
 use iva_core::absorber::Absorber as _;
 use iva_core::absorber::Start;
 use iva_core::absorber::modal::{FEW, Modal, ModalStart, ModalStructure, PRIMARY, Tie};
+use iva_core::compensated::DoubleDouble;
 use iva_core::flight::GapPoint;
 use iva_core::force::Force;
 use iva_core::host::DrivenHost;
@@ -58,10 +59,18 @@ pub(super) fn scene<R: Real>(
 }
 
 /// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
-/// friction, in a list an inclination, for a pendulum an offset of its gap, friction in its pivot or a restitution that depends on the speed, one wall only, and a stop on the
-/// ground.
+/// friction, in a list an inclination, for a pendulum an offset of its gap, friction in its pivot, an inclination or a restitution that depends on the speed, one wall only, and a
+/// stop on the ground.
 pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
-    let of_pendulum = [F::GapOffset, F::GapOffsetMm, F::ReferenceSpeed, F::YieldSpeed, F::Friction];
+    let of_pendulum = [
+        F::GapOffset,
+        F::GapOffsetMm,
+        F::ReferenceSpeed,
+        F::YieldSpeed,
+        F::Friction,
+        F::Inclination,
+        F::InclinationDeg,
+    ];
     let pendulums = || {
         let all = (0..given.spec.count()).map(|absorber| given.of(absorber));
         all.filter(|own| own.choices().kind == Kind::Piva)
@@ -115,6 +124,7 @@ struct Riding<'a, R> {
     gaps: Vec<GapPoint<R>>,
     ties: Vec<Tie<R>>,
     pendulums: Vec<Option<Parameters<R>>>,
+    rising: Vec<DoubleDouble<R>>,
     along: Vec<R>,
     friction: Vec<R>,
     static_friction: Vec<R>,
@@ -129,6 +139,7 @@ impl<'a, R: Real> Riding<'a, R> {
             gaps: vec![],
             ties: vec![],
             pendulums: vec![],
+            rising: vec![],
             along: vec![],
             friction: vec![],
             static_friction: vec![],
@@ -150,7 +161,7 @@ impl<'a, R: Real> Riding<'a, R> {
         let mut gravities = vec![];
         let mut hung = vec![];
         several::each(given, scale, units, |absorber, member| {
-            let Member { mass, hanging, gap, weight } = member;
+            let Member { mass, hanging, gap, rising, weight } = member;
             let share = 1.0 / given.spec.units_of(absorber) as f64;
             let of_all = mass.mass_ratio() / share;
             let Tie { spring, damping } = match hanging {
@@ -158,6 +169,7 @@ impl<'a, R: Real> Riding<'a, R> {
                 Some(_) => Tie::NONE,
             };
             all.pendulums.push(hanging.map(|(parameters, _)| parameters));
+            all.rising.push(rising);
             hung.extend(hanging.map(|(_, gravity)| gravity));
             all.masses.push((mass, at(absorber)?));
             all.gaps.push(gap);
@@ -207,14 +219,14 @@ fn with_room<R: Real, const N: usize, const M: usize>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Mounted<Modal<DrivenHost<R>, N, M>>, Invalid> {
-    let Riding { masses, gaps, ties, pendulums, along, friction, static_friction, gravity } =
-        riding;
+    let Riding { masses, gaps, ties, pendulums, rising, .. } = riding;
+    let Riding { along, friction, static_friction, gravity, .. } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
     let system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
-    let system =
-        system.with_pendulums(&pendulums).map_err(|error| several::of_unit(given, error))?;
+    let system = system.with_pendulums(&pendulums).and_then(|it| it.with_rising_pivots(&rising));
+    let system = system.map_err(|error| several::of_unit(given, error))?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;
     let system = system.with_static_friction(&static_friction)?;
     system.check_start(&start).map_err(|error| several::of_owner(given, error))?;

@@ -1,6 +1,7 @@
 //! What lists of any absorbers have in common.
 
 use iva_core::absorber::Start;
+use iva_core::compensated::DoubleDouble;
 use iva_core::flight::GapPoint;
 use iva_core::piva::{Parameters, PivaStart};
 use iva_core::real::Real;
@@ -25,7 +26,9 @@ pub(super) struct Member<R: Real> {
     pub hanging: Option<(Parameters<R>, Option<R>)>,
     /// Its place in its gap at the start.
     pub gap: GapPoint<R>,
-    /// What weight does to a free mass.
+    /// By which angle the line rises on which a pendulum moves with its point, in rad.
+    pub rising: DoubleDouble<R>,
+    /// What weight does to a free mass, or friction to a pendulum.
     pub weight: Option<Weight<R>>,
 }
 
@@ -45,18 +48,20 @@ pub(super) fn each<R: Real>(
             let hanging = hanging(given, unit, scale, units)?;
             let gap = hanged(given, &hanging.0, scale, mass.offset())?;
             let weight = pendulum::friction(given, &hanging)?;
+            let rising = free_mass::inclination(given)?.unwrap_or(DoubleDouble::ZERO);
             let hanging = Some(hanging);
-            return take(given.absorber, Member { mass, hanging, gap, weight });
+            return take(given.absorber, Member { mass, hanging, gap, rising, weight });
         }
+        let rising = DoubleDouble::ZERO;
         if given.choices().kind == Kind::Stop {
-            return take(given.absorber, Member { mass, hanging: None, gap, weight: None });
+            return take(given.absorber, Member { mass, hanging: None, gap, rising, weight: None });
         }
         let weight = free_mass::weight(given, scale)?;
         if weight.is_some_and(|weight| weight.along != 0.0) {
             let lower_stop = mass.offset() - mass.clearance();
             gap.y = free_mass::starting_place(given, gap.y, lower_stop);
         }
-        take(given.absorber, Member { mass, hanging: None, gap, weight })
+        take(given.absorber, Member { mass, hanging: None, gap, rising, weight })
     })
 }
 

@@ -1,4 +1,4 @@
-//! Pendulums on structures with modes, with friction in the pivot of one, beside masses that rub, are tied to their points or weigh.
+//! Pendulums on structures with modes, on points that move level or aslant, with friction in the pivot of one, beside masses that rub, are tied to their points or weigh.
 //!
 //! Numbers come from a structure that moves as one given in two ways, from the ledger of energies, from runs in numbers of twice the precision, and from
 //! differences of these.
@@ -6,6 +6,7 @@
 
 use iva_core::{
     absorber::modal::{FewModes, Modal, ModalStart, ModalStructure},
+    compensated::DoubleDouble,
     flight::GapPoint,
     force::{Acts, Force},
     host::UndrivenHost,
@@ -57,6 +58,9 @@ fn scene<R: Real>(seed: u64) -> (System<R>, Begin<R>, Option<Force<R>>) {
     let system = System::new(structure, at).unwrap();
     let [one, other] = pendulums;
     let system = system.with_pendulums(&[one, other, None, None]).unwrap();
+    let steep = if seed % 5 < 3 { [rng.range(0.0, 1.5), rng.pick(&[0.0, 1.5])] } else { [0.0; 2] };
+    let steep = [steep[0], steep[1], 0.0, 0.0].map(|angle| DoubleDouble::new(R::from(angle)));
+    let system = system.with_rising_pivots(&steep).unwrap();
     let system = system.with_ties(&ties(&tied)).unwrap().with_gravity(&reals(&rises)).unwrap();
     let system = system.with_friction(&reals(&rubs)).unwrap();
     let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];

@@ -178,6 +178,8 @@ fn the_order_of_the_series_is_the_one_it_says() {
         pivot_damping: 0.0,
         spring: Spring::NONE,
         small_angles: false,
+        level: 1.0,
+        rise: 0.0,
     };
     let (sine, cosine) = sine_cosine(angle.into());
     let (y, c) = ((sine * 2.0).value(), cosine.value());

@@ -9,7 +9,7 @@
 //! where friction of a mass that slides one way is a constant force. A small difference of a state is one of q and q̇, then
 //! of y and ẏ of each member. A structure that moves as one has a single coordinate, x, and φ = 1.
 //!
-//! A pendulum in flight is carried with a part η of its mass, and follows the acceleration of its point by the factor −β c² ([`Pull`]).
+//! A pendulum in flight is carried with a part η of its mass, and follows the acceleration of its point by the factor −β c γ ([`Pull`]).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -37,23 +37,30 @@ pub struct LinearStructure {
     pub pulls: Vec<Pull>,
 }
 
-/// How a member in flight follows the acceleration A of its point, and pulls at it: ÿ = −f A − G and a force −η A + μλ G.
+/// How a member in flight follows the acceleration A of its point, and pulls at it: ÿ = −f A − G and a force −η A + μ F.
 #[derive(Debug, Clone, Copy)]
 pub struct Pull {
-    /// λ.
+    /// How much further than in its gap it moves along the line of its point: λ γ/c.
     pub lever: f64,
-    /// f = β c², and its derivative with respect to y.
+    /// f = β c γ, and its derivative with respect to y.
     pub follows: [f64; 2],
-    /// η = μ (1 − c²/κ), and its derivative with respect to y.
+    /// η = μ (1 − γ²/κ), and its derivative with respect to y.
     pub inertia: [f64; 2],
     /// The derivatives of G with respect to y and ẏ.
     pub swing: [f64; 2],
+    /// Those of F.
+    pub pull: [f64; 2],
 }
 
 impl Pull {
     /// That of a free mass.
-    pub const NONE: Self =
-        Self { lever: 1.0, follows: [1.0, 0.0], inertia: [0.0; 2], swing: [0.0; 2] };
+    pub const NONE: Self = Self {
+        lever: 1.0,
+        follows: [1.0, 0.0],
+        inertia: [0.0; 2],
+        swing: [0.0; 2],
+        pull: [0.0; 2],
+    };
 }
 
 impl LinearStructure {
@@ -139,12 +146,11 @@ impl LinearStructure {
         forces.columns_mut(n, n).copy_from(&-&self.damping);
         let flying = || (0..carried.len()).filter(|k| !carried[*k]);
         for k in flying() {
-            let Pull { lever, inertia, swing, .. } = self.pulls[k];
+            let Pull { inertia, pull, .. } = self.pulls[k];
             // A mass that is a coordinate pulls by the matrices.
-            let pull = if self.lightness[k] > 0.0 { lever / self.lightness[k] } else { 0.0 };
+            let mass = if self.lightness[k] > 0.0 { 1.0 / self.lightness[k] } else { 0.0 };
             let [y, w] = self.of(k);
-            for (column, by) in [(y, pull * swing[0] - inertia[1] * felt[k]), (w, pull * swing[1])]
-            {
+            for (column, by) in [(y, mass * pull[0] - inertia[1] * felt[k]), (w, mass * pull[1])] {
                 let mut forces = forces.column_mut(column);
                 forces += &self.shapes[k] * by;
             }

@@ -45,7 +45,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         (0..self.count()).filter(|k| *k != at_hand).all(|k| {
             let place = &state.places[k];
             let Place { distance, rate, stuck, held, .. } = *place;
-            let kicked = kicked(k) * self.follows(k, place);
+            let kicked = kicked(k) * self.follows(k, place).abs();
             if held {
                 let left = self.held_up_to(k, place) - self.shaken(state, k)[0].abs();
                 let fastest = growth.max(self.whole.growth() * 2.0);
@@ -128,7 +128,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         } else {
             shrinking * place.rate.value.abs()
         };
-        let impulse = self.reduced(at_hand) * self.lever(at_hand) * 2.0 * gained;
+        let lever = self.lever(at_hand, &place).value.abs();
+        let impulse = self.reduced(at_hand) * lever * 2.0 * gained;
         let kicked = |k: usize| {
             let both = self.mobility(k, k).value * self.mobility(at_hand, at_hand).value;
             impulse * both.sqrt()
@@ -162,9 +163,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.masses[self.index(absorber)].offset
     }
 
-    fn lever_of(&self, absorber: usize) -> R {
+    fn beside(&self, absorber: usize, gap: [R; 3]) -> [R; 3] {
         let k = self.index(absorber);
-        if self.on_ground(k) { -R::ONE } else { self.lever(k) }
+        if self.on_ground(k) {
+            return gap.map(|it| -it);
+        }
+        self.hanging(k).map_or(gap, |is| is.swung_beside(gap).map(|it| is.lever * it))
     }
 
     fn angle(&self, state: &Self::State) -> Option<Angle<R>> {

@@ -77,7 +77,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             R::ZERO
         };
         let constant = if n == 1 { constant.value.abs() } else { R::ZERO };
-        ((sum + base) * factor + constant) * MARGIN
+        ((sum + base) * factor.abs() + constant) * MARGIN
     }
 
     /// The size of the terms that are summed to A of a stuck mass.
@@ -106,6 +106,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         for (point, harmonic) in self.host.force().map_or(&[][..], Force::elsewhere) {
             sum += along(*point) * harmonic.largest(0);
         }
-        (sum + along(self.pushed) * f + a * 2.0).mul_add(factor, own)
+        (sum + along(self.pushed) * f + a * 2.0).mul_add(factor.abs(), own)
     }
 }

@@ -237,8 +237,15 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Motion
             std::array::from_fn(|m| if place.carried() { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
-        let lever = self.system.lever_of(k);
-        let absorber = std::array::from_fn(|m| lever.mul_add(gap[m], own[m]));
+        let [_, lever, _] = self.system.beside(k, [R::ZERO, R::ONE, R::ZERO]);
+        let mut absorber: Row<R> = match self.swing(k) {
+            Some(swing) if swing.series.pendulum.rise != 0.0 => {
+                let lever = swing.series.pendulum.lever;
+                std::array::from_fn(|m| lever.mul_add(swing.series.beside(m), own[m]))
+            }
+            _ => std::array::from_fn(|m| lever.mul_add(gap[m], own[m])),
+        };
+        absorber[0] = own[0] + self.system.beside(k, [y, w, R::ZERO])[0];
         Some(Travel { rows, gap, absorber })
     }
 }

@@ -30,7 +30,7 @@ use super::state::Place;
 use super::{Modal, ModalState, mobility, wall_of};
 use crate::absorber::chatter::is_nothing;
 use crate::absorber::impact::Impact;
-use crate::absorber::{Absorber as _, ImpactLaw, LawAt, OnStructure as _, Wall};
+use crate::absorber::{ImpactLaw, LawAt, OnStructure as _, Wall};
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -76,7 +76,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let mut carried = places.map(|place| place.stuck);
         let mut hops = [false; N];
         let rhs = std::array::from_fn(|k| {
-            let w = || Self::gap_velocity(&places[k]).times(self.lever(k));
+            let w = || Self::gap_velocity(&places[k]) * self.lever(k, &places[k]);
             match struck[k] {
                 Some(e) => w() * DoubleDouble::new(R::ONE).plus(e) - outside[k],
                 None => -outside[k],
@@ -94,7 +94,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 seen = Some((carried, hops));
             }
             let breaks = |k: &usize| {
-                let side = places[*k].side;
+                let side = places[*k].side * self.pressed_with(*k, &places[*k]);
                 places[*k].stuck
                     && !hops[*k]
                     && if carried[*k] {
@@ -114,7 +114,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 }
                 let pressure = self.pressure(state, *k);
                 let pushed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
-                let speed = pushed * self.follows(*k, &places[*k]);
+                let speed = pushed * self.follows(*k, &places[*k]).abs();
                 let e = self.masses[*k].law_for(side, speed).restitution;
                 let falls = pressure * (R::ONE - e);
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
@@ -145,12 +145,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let impulse = match self.hanging(k) {
             None => impulses[k].value,
             Some(is) => {
-                let own = DoubleDouble::new(is.inertia_ratio).times(is.lever).times(is.coupling);
-                let turned = DoubleDouble::new(R::ONE).plus(e) * w * own;
+                let y = self.gap_of_place(k, place);
+                let c = is.precise_cosine(y);
+                let turned = DoubleDouble::new(R::ONE).plus(e) * w / c;
+                let own = DoubleDouble::new(is.inertia_ratio).times(is.lever);
                 // Of a heavy pendulum these two nearly cancel.
-                let opposed =
-                    turned / self.follows_precisely(k, place) - self.pushed_by(k, impulses);
-                opposed.value * is.lever * is.mass_ratio
+                let opposed = turned * own - self.pushed_by(k, impulses) * is.lean(y, c);
+                (opposed / c).value * is.lever * is.mass_ratio
             }
         };
         impulse * 0.5 * ((R::ONE - e) * w.value)
@@ -227,13 +228,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
     fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
         let k = self.index(absorber);
         let own = self.masses[k].law_at(wall, approach, R::ZERO);
-        let impulse = (R::ONE + own.restitution) * self.lever(k) * self.reduced(k);
+        let at_wall = self.at_wall(k, wall);
+        let lever = self.lever(k, &at_wall).value;
+        let impulse = (R::ONE + own.restitution) * lever * self.reduced(k);
         let gain = impulse * mobility(self.shape(k), self.shape(k)).value;
         let mut pressure = impulse * self.stiffened(k);
         if let Some(is) = self.hanging(k) {
-            let at_wall = self.at_wall(k, wall);
             let turned = is.pivot_damping * (R::ONE + own.restitution);
-            let shaken = turned * is.mass_ratio * is.lever * self.mobility(k, k).value;
+            let shaken = turned * is.mass_ratio * lever * self.mobility(k, k).value;
             pressure = (pressure + shaken).mul_add(self.follows(k, &at_wall), turned);
         }
         LawAt { gain, pressure, ..own }
@@ -291,7 +293,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             velocity_after: v_after,
             gap_velocity_before: w,
             gap_velocity_after: -e * w,
-            lever: self.lever_of(k),
+            lever: if self.on_ground(k) { -R::ONE } else { self.lever(k, &place).value },
             energy_loss: self.lost(k, &place, e, &blow.impulses),
         };
         (after, impact)
@@ -305,7 +307,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
         let (k, _, place) = self.at_hand_of(state);
         let carried = std::array::from_fn(|l| l == k || state.places[l].stuck);
         let mut rhs = [DoubleDouble::ZERO; N];
-        rhs[k] = Self::gap_velocity(&place).times(self.lever(k));
+        rhs[k] = Self::gap_velocity(&place) * self.lever(k, &place);
         let moved = self.moved_along(&state.places, |l| carried[l]);
         let blow = Blow { impulses: self.impulses(&moved, rhs), carried };
         let mut after = *state;

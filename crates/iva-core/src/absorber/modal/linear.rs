@@ -12,7 +12,7 @@ use crate::absorber::{Absorber as _, Clock, ImpactLaw as _, OnStructure as _};
 use crate::force::Drive;
 use crate::host::Host;
 use crate::segment::flight::Motion as _;
-use crate::segment::taylor::Posture;
+use crate::segment::taylor::{Pendulum, Posture};
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     /// What small differences obey at a state.
@@ -48,31 +48,43 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
         }
     }
 
-    /// How a member follows its point and pulls at it. With c² = 1 − y²/b² it is G = c (r² y + σ² φ) + ν ẏ + y ẏ²/(b² c²) for a pendulum.
+    /// How a member follows its point and pulls at it. With s = sinθ, P = r² y + σ² φ, with what friction adds, and sin(θ − α) = −γ′ it is for a pendulum
+    ///
+    /// ```text
+    /// G = c P + ν ẏ + s W²/b,    F = λ (γ (P + ν W) − γ′ W²/b),    W = ẏ/c.
+    /// ```
     fn pull_of(&self, k: usize, place: &Place<f64>) -> Pull {
         let Some(is) = self.hanging(k) else { return Pull::NONE };
-        let Posture { y, c, arc, .. } = self.posture(k, is, place);
-        let (y, c, arc, w) = (y.value, c.value, arc.value, place.gap(&self.masses[k]).w);
-        let (curved, over_b2) = match is.small_angles {
-            true => (0.0, 0.0),
-            false => (-2.0 * y, 1.0 / (is.contact_distance * is.contact_distance)),
-        };
-        // The derivative of c².
-        let shorter = curved * over_b2;
-        let share = is.mass_ratio / is.inertia_ratio;
-        let turned = w / c;
-        let risen = c - y * y * over_b2 / c;
-        let wound = 1.0 - y * arc * over_b2 / c;
-        let whirled = over_b2 * turned * turned * (1.0 - y * shorter / (c * c));
-        Pull {
-            lever: is.lever,
-            follows: [is.coupling * c * c, is.coupling * shorter],
-            inertia: [is.own_inertia(y), -share * shorter],
-            swing: [
-                is.frequency_squared * risen + is.spring.acting() * wound + whirled,
-                is.pivot_damping + 2.0 * y * over_b2 * w / (c * c),
-            ],
+        let Pendulum { coupling, lever, frequency_squared: r2, pivot_damping: nu, .. } = *is;
+        if is.small_angles {
+            let swing = [r2, nu];
+            let inertia = [is.own_inertia(0.0, 1.0), 0.0];
+            let pull = swing.map(|it| it * lever);
+            return Pull { lever, follows: [coupling, 0.0], inertia, swing, pull };
         }
+        let Posture { y, c, arc, .. } = self.posture(k, is, place);
+        let (y, c, arc) = (y.value, c.value, arc.value);
+        let (over_b, w) = (1.0 / is.contact_distance, place.gap(&self.masses[k]).w / c);
+        let sine = y * over_b;
+        // All derivatives are those by the arc, over that of y by it, which is c.
+        let lean = is.lean(y, c);
+        let turned = (is.rise * c - is.level * sine) * over_b;
+        let [c1, lean1, turned1] =
+            [-sine * over_b, turned, -lean * over_b * over_b].map(|it| it / c);
+        let held = is.spring.acting().mul_add(arc, r2 * y) + self.rubbing(k, place);
+        let held1 = is.spring.acting() / c + r2;
+        // That of W at the same ẏ.
+        let w1 = -w * c1 / c;
+        let square = w * w * over_b;
+        let follows = [coupling * c * lean, coupling * (c1 * lean + c * lean1)];
+        let share = is.mass_ratio / is.inertia_ratio;
+        let inertia = [is.own_inertia(y, c), -2.0 * share * lean * lean1];
+        let whirled = square * over_b + 2.0 * sine * over_b * w * w1;
+        let swing = [c1 * held + c * held1 + whirled, nu + 2.0 * sine * over_b * w / c];
+        let along = lean1 * (held + nu * w) + lean * (held1 + nu * w1);
+        let aside = turned1 * w * w + 2.0 * turned * w * w1;
+        let pull = [along - aside, (lean * nu - 2.0 * turned * w) / c].map(|it| it * lever);
+        Pull { lever: lever * lean / c, follows, inertia, swing, pull }
     }
 
     /// A state in which nothing moves, far from all walls.
@@ -90,17 +102,18 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
         state
     }
 
+    /// The acceleration of the point of a member, where these are all rates.
+    fn felt(&self, state: &ModalState<H, N, M>, rates: &DVector<f64>, k: usize) -> f64 {
+        let base = self.pushes(&state.phase, 1.0)(0)[1].value;
+        let bent = self.shape(k).iter().enumerate();
+        bent.fold(base, |sum, (j, phi)| phi.mul_add(rates[self.whole.count() + j], sum))
+    }
+
     /// The derivative of all rates at a state, in which these members are carried.
     fn jacobian(&self, state: &ModalState<H, N, M>, carried: &[bool]) -> DMatrix<f64> {
         let state = Self::carrying_these(state, carried);
-        let n = self.whole.count();
         let rates = DifferentiableList::rates(self, &state, carried);
-        let base = self.pushes(&state.phase, 1.0)(0)[1].value;
-        let felt = |k: usize| {
-            let bent = self.shape(k).iter().enumerate();
-            bent.fold(base, |sum, (j, phi)| phi.mul_add(rates[n + j], sum))
-        };
-        let felt: Vec<f64> = (0..self.count()).map(felt).collect();
+        let felt: Vec<f64> = (0..self.count()).map(|k| self.felt(&state, &rates, k)).collect();
         self.linear(&state).jacobian(carried, &felt)
     }
 }
@@ -155,11 +168,22 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         for (place, carried) in held.places.iter_mut().zip(carried) {
             place.held = *carried && !place.stuck;
         }
-        let [_, rate, ..] = self.shaken(&held, k);
+        let [a, rate, ..] = self.shaken(&held, k);
         let linear = self.linear(state);
         let point = DVector::from_column_slice(self.shape(k));
-        let mut gradient = linear.pull_on(&point, carried);
-        gradient[linear.of(k)[0]] += self.tie(k).spring / self.masses[k].mass_ratio;
+        let [y, _] = linear.of(k);
+        let (follows, swing) = (linear.pulls[k].follows, linear.pulls[k].swing);
+        let mut gradient = linear.pull_on(&point, carried) * follows[0];
+        gradient[y] += self.tie(k).spring / self.masses[k].mass_ratio;
+        if let Some(is) = self.hanging(k).filter(|is| !is.small_angles) {
+            // What friction holds of it falls with c as well.
+            let Posture { y: at, c, .. } = self.posture(k, is, &held.places[k]);
+            let steep = at.value / (is.contact_distance * c.value).powi(2);
+            let felt = self.felt(&held, &DifferentiableList::rates(self, &held, carried), k);
+            gradient[y] += follows[1] * felt + swing[0] + steep * a;
+        } else {
+            gradient[y] += swing[0];
+        }
         Some(gradient / -rate)
     }
 
@@ -223,8 +247,8 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
             });
             // The relative error of cos²θ is larger than that of y, from which it is computed.
             let [follows, _] = linear.pulls[k].follows;
-            let steep = self.hanging(k).map_or(1.0, |is| is.coupling / follows);
-            sizes[w] = steep * (follows * (shaken + driven) + own);
+            let steep = 1.0 / self.turned_by(k, &state.places[k]).powi(2);
+            sizes[w] = steep * (follows.abs() * (shaken + driven) + own);
         }
         Some(sizes)
     }

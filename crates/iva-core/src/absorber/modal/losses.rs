@@ -124,10 +124,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'_,
                 along(system.shape(k), rates)
             } else if let Some(swing) = self.swing(k) {
                 let mut moving = along(system.shape(k), rates);
-                let over = system.lever(k) / self.unit;
-                let y = &swing.series.y;
+                let over = swing.series.pendulum.lever / self.unit;
                 let rate: Row<R> = std::array::from_fn(|m| {
-                    if m < ORDER { y[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
+                    let next = || swing.series.beside(m + 1) * ((m + 1) as f64) * over;
+                    if m < ORDER { next() } else { R::ZERO }
                 });
                 for (sum, part) in moving.iter_mut().zip(at_nodes(&rate, nodes)) {
                     *sum += part;

@@ -10,6 +10,10 @@
 //! with s R of the friction in its pivot (`modal/friction.rs`), and that it pulls at its point with −μ (A + λ ÿ), λ = L/b: as if a part η = μ (1 − c²/κ) of its mass were fixed to the point, and as a force beside.
 //! Where an impact or an impulse changes u̇ by Δu̇, a pendulum in flight takes the part η of its mass along and follows by Δẏ = −β c² Δu̇.
 //! On a wall all of its mass is carried, and what it would do if it were free, −ÿ = β c² A + c (r² y + σ² φ), takes the place of the acceleration of a mass.
+//!
+//! Where the structure and its base move along a line that rises by α, γ = cos(θ − α) takes the place of c beside A, and ṗ = γ W that of ẏ in its pull
+//! (`segment/taylor/pivoted.rs`). So η = μ (1 − γ²/κ), a pendulum in flight follows by Δẏ = −β c γ Δu̇, and its lever is λ γ/c, which may be 0 or negative:
+//! what presses a pendulum on its wall then is not what presses on the structure, and signs of impulses count with that of γ.
 
 use super::state::Place;
 use super::structure::same;
@@ -106,7 +110,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// y in double-double.
-    fn gap_of_place(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+    pub(super) fn gap_of_place(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
         let mass = &self.masses[k];
         let left = DoubleDouble::new(mass.clearance) - place.distance;
         DoubleDouble { value: place.side * left.value, rest: place.side * left.rest }
@@ -132,6 +136,38 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         -place.side * place.rate.value / self.cosine(k, is, place)
     }
 
+    /// The same pendulums, where structure and base move along a line that rises by an angle, in rad, at the point of each.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an angle out of 0 to π/2, for a pendulum of small angles, and for numbers that are not as many as members. Those of masses, and of stops, have no effect.
+    pub fn with_rising_pivots(mut self, angles: &[DoubleDouble<R>]) -> Result<Self, Invalid> {
+        same("absorber.inclination", angles.len(), self.count())?;
+        for (k, (own, angle)) in self.pendulums.iter_mut().zip(angles).enumerate() {
+            let Some(Hanging { pendulum, .. }) = own else { continue };
+            let wrong =
+                |rule| Invalid::new(format!("absorber.{k}.inclination"), number(angle.value), rule);
+            let from_upright = (R::TURN.over(4.0) - *angle).value;
+            // Upright the cosine of an angle in degrees is a rounding error.
+            let upright = from_upright.abs() <= R::EPSILON * 4.0;
+            if !(angle.value >= 0.0 && (upright || from_upright > 0.0)) {
+                return Err(wrong("give an angle from 0 (level) to π/2 (upright)"));
+            }
+            if angle.value != 0.0 && pendulum.small_angles {
+                return Err(wrong("give angles = \"large\" with it"));
+            }
+            let (sine, cosine) = R::precise_sincos(*angle);
+            pendulum.level = if upright { R::ZERO } else { cosine.value };
+            pendulum.rise = if angle.value == 0.0 { R::ZERO } else { sine.value };
+        }
+        Ok(self.completed())
+    }
+
+    /// γ.
+    pub(super) fn lean(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
+        let y = self.gap_of_place(k, place).value;
+        is.lean(y, is.cosine(y))
+    }
+
     /// c.
     fn cosine(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
         is.cosine(self.gap_of_place(k, place).value)
@@ -142,19 +178,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.hanging(k).map_or(R::ONE, |is| self.cosine(k, is, place))
     }
 
-    /// By how much less a member accelerates away from its point than a free mass: β c² of a pendulum.
+    /// By how much less a member accelerates away from its point than a free mass: β c γ of a pendulum.
     pub(super) fn follows(&self, k: usize, place: &Place<R>) -> R {
         self.hanging(k).map_or(R::ONE, |is| {
-            let c = self.cosine(k, is, place);
-            is.coupling * (c * c)
+            is.coupling * (self.cosine(k, is, place) * self.lean(k, is, place))
         })
     }
 
     /// [`Modal::follows`] to twice the precision.
     pub(super) fn follows_precisely(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
         self.hanging(k).map_or(DoubleDouble::new(R::ONE), |is| {
-            let c = is.precise_cosine(self.gap_of_place(k, place));
-            (c * c).times(is.coupling)
+            let y = self.gap_of_place(k, place);
+            let c = is.precise_cosine(y);
+            (c * is.lean(y, c)).times(is.coupling)
         })
     }
 
@@ -172,9 +208,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         (y.times(is.frequency_squared) + arc.times(is.spring.acting())) * c
     }
 
-    /// λ = L/b; 1 of a mass.
-    pub(super) fn lever(&self, k: usize) -> R {
-        self.hanging(k).map_or(R::ONE, |is| is.lever)
+    /// How much further than in its gap the centre of mass of a member moves along the line of its point: λ γ/c of a pendulum, λ = L/b.
+    pub(super) fn lever(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
+        let Some(is) = self.hanging(k) else { return DoubleDouble::new(R::ONE) };
+        let lever = DoubleDouble::new(is.lever);
+        if is.rise == 0.0 {
+            return lever;
+        }
+        let y = self.gap_of_place(k, place);
+        let c = is.precise_cosine(y);
+        lever * (is.lean(y, c) / c)
+    }
+
+    /// With which sign the push of its point presses a stuck member on wall +: that of γ.
+    pub(super) fn pressed_with(&self, k: usize, place: &Place<R>) -> R {
+        match self.hanging(k) {
+            Some(is) if is.rise != 0.0 => self.lean(k, is, place),
+            _ => R::ONE,
+        }
     }
 
     /// The reciprocal of the inertia that moves with the point: that of a member which is carried along or has an impact, or of the part η of a pendulum in flight.
@@ -189,7 +240,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             return Some(self.lightness(k));
         }
         let is = self.hanging(k)?;
-        let own: DoubleDouble<R> = is.own_inertia(self.gap_of_place(k, place));
+        let y = self.gap_of_place(k, place);
+        let c = if is.rise == 0.0 { DoubleDouble::new(R::ONE) } else { is.precise_cosine(y) };
+        let own: DoubleDouble<R> = is.own_inertia(y, c);
         (own.value > NO_INERTIA).then(|| DoubleDouble::new(R::ONE) / own)
     }
 
@@ -205,7 +258,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let (y, w, c) = (y.value, w.value, c.value);
         let Pendulum { mass_ratio, inertia_ratio, lever, .. } = *is;
         let own = inertia_ratio * (lever * lever);
-        let swept = v * v + v * 2.0 * lever * (c * w) + own * (w * w);
+        let swept = v * v + v * 2.0 * lever * (is.lean(y, c) * w) + own * (w * w);
         // 1 − cosθ without cancellation; θ²/2 at small angles, where r² contains the spring.
         let risen = is.frequency_squared * (y * y) * 2.0 / (R::ONE + c);
         let wound = is.spring.acting() * (arc.value * arc.value);

@@ -121,6 +121,8 @@ impl<R: Real> Parameters<R> {
             pivot_damping: self.pivot_damping_ratio * 2.0 * self.frequency_ratio,
             spring,
             small_angles,
+            level: R::ONE,
+            rise: R::ZERO,
         }
     }
 

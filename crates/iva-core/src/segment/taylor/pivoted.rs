@@ -1,11 +1,19 @@
 //! A pendulum whose pivot is accelerated, as Taylor series that grow with those of the acceleration.
 //!
-//! It obeys the equations of [`super`] for y, W and c, in which a is now any acceleration A of its pivot. What shakes the pivot is pulled by
-//! −μ (A + λ ÿ), so that in the notation of `segment/taylor/recurrence.rs` each order of its pull is linear in that of A:
+//! It obeys the equations of [`super`] for y, W and c, in which a is now any acceleration A of its pivot. The pivot moves along a line that rises by α. With
 //!
 //! ```text
-//! −μ (1 − c₀²/κ) A_k − μλ ((k+1)/h B − c₀ R).
+//! γ = cos(θ − α) = c cos α + (y/b) sin α,     p = b sin(θ − α) + b sin α,     ṗ = γ W,     Ẇ = −(β A γ + r² y + …)
 //! ```
+//!
+//! the pendulum pulls along that line with −μ (A + λ p̈); of a level line γ is c and p is y. So in the notation of
+//! `segment/taylor/recurrence.rs`, with G for (γ W)_{k+1} without γ₀ W_{k+1}, each order of its pull is linear in that of A:
+//!
+//! ```text
+//! −μ (1 − γ₀²/κ) A_k − μλ ((k+1)/h G − γ₀ R).
+//! ```
+//!
+//! The weight of the pendulum along the line does not change, and displacements are measured from where the structure rests under it.
 
 use super::{Number, Pendulum, Spring};
 use crate::number::real::Real;
@@ -34,8 +42,11 @@ pub(crate) struct Growing<'a, R, T, const LENGTH: usize> {
     /// W and A with the last order first, W₀ at [`Growing::LAST`] and A₀ before it, so that sums over both ends of a product run one way.
     w_back: [T; LENGTH],
     a_back: [T; LENGTH],
-    /// c from the first order on.
+    /// c from the first order on, and γ where it is not c.
     c_later: [T; LENGTH],
+    lean_later: [T; LENGTH],
+    /// γ of order 0.
+    lean: T,
     arc: [T; LENGTH],
     /// R, and (c W)_k of the order at hand.
     rest: T,
@@ -66,6 +77,8 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
             w_back: row,
             a_back: row,
             c_later: row,
+            lean_later: row,
+            lean: pendulum.lean(begin.y, begin.c),
             arc: row,
             rest: zero,
             swept: zero,
@@ -94,11 +107,18 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
             (own.arc[k], own.c_later[k - 1]) = (number(first.arc[k]), own.c[k]);
             (own.w_back[Self::LAST - k], own.a_back[Self::LAST - k]) = (own.w[k], own.a[k - 1]);
         }
+        own.lean_later = std::array::from_fn(|k| {
+            if k < order {
+                own.pendulum.lean(own.y[k + 1], own.c[k + 1])
+            } else {
+                T::from_real(R::ZERO)
+            }
+        });
         own.swung = number(first.swung);
         own
     }
 
-    /// All of order k but A_k, W_{k+1} and y_{k+1}; returns μλ ((k+1)/h B − c₀ R).
+    /// All of order k but A_k, W_{k+1} and y_{k+1}; returns μλ ((k+1)/h G − γ₀ R).
     #[inline(always)]
     pub fn prepare(&mut self, k: usize, (h, over_h): (T, T)) -> T {
         let n = T::from_real;
@@ -122,22 +142,42 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
             self.rest = rest;
             return n(is.mass_ratio * is.lever) * -(c0 * rest);
         }
-        let [yw, cw, ca] = self.products(k);
-        let c = -(h * T::reciprocal(k + 1) * self.over_b2 * yw);
+        let [yw, cw, mut shaken] = self.products(k, &self.c_later);
+        let over = h * T::reciprocal(k + 1);
+        let c = -(over * self.over_b2 * yw);
         self.c[k + 1] = c;
         self.c_later[k] = c;
         self.swung = c.fused(self.w[0], cw);
-        self.rest = n(is.coupling).fused(ca, rest);
-        let gained = n(R::from((k + 1) as f64)) * over_h * self.swung;
-        n(is.mass_ratio * is.lever) * (gained - c0 * self.rest)
+        let mut along = self.swung;
+        if is.rise != 0.0 {
+            self.lean_later[k] = is.lean(over * self.swept, c);
+            [_, along, shaken] = self.products(k, &self.lean_later);
+        }
+        self.rest = n(is.coupling).fused(shaken, rest);
+        let gained = n(R::from((k + 1) as f64)) * over_h * along;
+        n(is.mass_ratio * is.lever) * (gained - self.lean * self.rest)
     }
 
-    /// Σ y_i W_{k−i}, and Σ c_{i+1} W_{k−i} and Σ c_{i+1} A_{k−1−i} over what is known: rows are 0 beyond, so that the sums run in whole fours.
+    /// γ of all orders.
+    pub fn leans(&self) -> [T; LENGTH] {
+        if self.pendulum.rise == 0.0 {
+            return self.c;
+        }
+        std::array::from_fn(|k| if k == 0 { self.lean } else { self.lean_later[k - 1] })
+    }
+
+    /// p of an order.
+    pub fn beside(&self, k: usize) -> T {
+        let one = if k == 0 { R::ONE } else { R::ZERO };
+        self.pendulum.beside(self.y[k], T::from_real(one) - self.c[k])
+    }
+
+    /// Σ y_i W_{k−i}, and of c or γ Σ c_{i+1} W_{k−i} and Σ c_{i+1} A_{k−1−i} over what is known: rows are 0 beyond, so that the sums run in whole fours.
     #[inline(always)]
-    fn products(&self, k: usize) -> [T; 3] {
+    fn products(&self, k: usize, later: &[T; LENGTH]) -> [T; 3] {
         let mut parts = [[T::from_real(R::ZERO); 4]; 3];
         let fours = k / 4 + 1;
-        let [y, c] = [&self.y, &self.c_later].map(|row| row.as_chunks::<4>().0);
+        let [y, c] = [&self.y, later].map(|row| row.as_chunks::<4>().0);
         let [w, a] =
             [&self.w_back, &self.a_back].map(|row| row[Self::LAST - k..].as_chunks::<4>().0);
         for (((y, c), w), a) in y.iter().zip(c).zip(w).zip(a).take(fours) {
@@ -156,7 +196,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Growing<'a, R, T, LE
         self.a[k] = a;
         let over = h * T::reciprocal(k + 1);
         let beta = T::from_real(self.pendulum.coupling);
-        let w = -(over * (beta * self.c[0]).fused(a, self.rest));
+        let w = -(over * (beta * self.lean).fused(a, self.rest));
         self.w[k + 1] = w;
         self.y[k + 1] = over * self.swept;
         if let Some(at) = Self::LAST.checked_sub(k + 1) {

@@ -68,7 +68,7 @@ impl<R: Real> Remainder<R> {
         (h, most): (R, R),
     ) -> Self {
         let Series { x, u, a, y, w, c } = series;
-        let sums = Sums::new::<N, _>(Swung { y, w, c, a }, most);
+        let sums = Sums::new::<N, _>(Swung { y, w, c, a, lean: c }, most);
         let lasts = [x, u].map(|row| row[N].abs() * power(most, N));
         let defects = Defects::new(pendulum, (&sums, lasts), driven, h * most, N);
         let [primary, gap, within] = defects.grown(pendulum, fastest, &sums, N as f64);
@@ -144,9 +144,9 @@ struct Sums<R> {
     cw: R,
     /// U(y, W).
     yw: R,
-    /// U(c, a).
+    /// U(γ, a).
     ca: R,
-    /// V.
+    /// V, of γ and W.
     cw_rate: R,
 }
 
@@ -157,6 +157,8 @@ struct Swung<'a, R, const LENGTH: usize> {
     w: &'a [R; LENGTH],
     c: &'a [R; LENGTH],
     a: &'a [R; LENGTH],
+    /// γ, which is c where the pivot moves level.
+    lean: &'a [R; LENGTH],
 }
 
 impl<R: Real> Sums<R> {
@@ -178,8 +180,8 @@ impl<R: Real> Sums<R> {
         unrolled!(i < N + 1 => {
             // V needs the sums from m + 1 on, the others from m = N − i on.
             let m = N - i;
-            let c = size(series.c, i);
-            cw_rate = c.mul_add(w.mul_add(R::from(i as f64), w_rate), cw_rate);
+            let [c, lean] = [size(series.c, i), size(series.lean, i)];
+            cw_rate = lean.mul_add(w.mul_add(R::from(i as f64), w_rate), cw_rate);
             let term = size(series.w, m);
             w += term;
             #[allow(unused_assignments)] // after the last
@@ -190,7 +192,7 @@ impl<R: Real> Sums<R> {
                 a += size(series.a, m);
             }
             cw = c.mul_add(w, cw);
-            ca = c.mul_add(a, ca);
+            ca = lean.mul_add(a, ca);
             yw = size(series.y, i).mul_add(w, yw);
         });
         Self {
@@ -221,7 +223,8 @@ struct Own<R> {
 impl<R: Real> Own<R> {
     #[inline(always)]
     fn new(pendulum: &Pendulum<R>, sums: &Sums<R>, length: R, order: usize) -> Self {
-        let Pendulum { mass_ratio, contact_distance: b, lever, coupling, .. } = *pendulum;
+        let Pendulum { mass_ratio, contact_distance: b, lever, coupling, level, rise, .. } =
+            *pendulum;
         let y = length * sums.cw;
         let bc = if pendulum.small_angles { R::ZERO } else { length * sums.yw / b };
         let arc_last = length * sums.w_before / (order as f64);
@@ -229,7 +232,9 @@ impl<R: Real> Own<R> {
             + pendulum.frequency_squared * sums.y_last
             + pendulum.spring.defect(arc_last)
             + pendulum.pivot_damping * sums.w_last;
-        let through_gap = sums.cw_rate / length + sums.w * bc / (length * b) + w;
+        // That of γ, times b.
+        let bent = if rise == 0.0 { bc } else { level.abs() * bc + rise.abs() * y };
+        let through_gap = sums.cw_rate / length + sums.w * bent / (length * b) + w;
         let arc = if pendulum.spring.acts { length * sums.w_last } else { R::ZERO };
         Self { y, bc, w, pulled: mass_ratio * lever * through_gap, arc }
     }
@@ -274,19 +279,23 @@ impl<R: Real> Slopes<R> {
             pivot_damping: nu,
             spring,
             small_angles,
+            level,
+            rise,
             ..
         } = *pendulum;
         let over_b = R::ONE / b;
+        // By how much γ, and sin(θ − α), change at most with b c and y.
+        let bent = level.abs() + rise.abs();
         // Bounds on θ̇ = W/b and on β a/b on the neighbourhood; at small angles neither has an effect.
         let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
         let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
         let pull = coupling * (sums.a + defect) * over_b;
-        let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
+        let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER) * bent;
         let wide = R::from(WIDER);
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
         let wound = spring.steepness(length * turning);
         let hanging = (r2 + nonlinear(r2) + wound + fastest * nu) * wide;
-        let pull = (centrifugal + hanging + pulled * wide * 2.0) * (mass_ratio * lever);
+        let pull = ((centrifugal + hanging) * bent + pulled * wide * 2.0) * (mass_ratio * lever);
         Self { pull, swung: turning + fastest * wide, own: pulled + r2 + wound }
     }
 }

@@ -49,6 +49,15 @@ fn scene(
     let gaps = std::array::from_fn(|n| gap(n as u32));
     let displacements: Vec<f64> = (0..modes).map(|j| part(37, j as u32) - 0.5).collect();
     let velocities: Vec<f64> = (0..modes).map(|j| part(41, j as u32) - 0.5).collect();
+    let rises = |n: usize| match pendulums.get(n) {
+        Some(Some(it)) if it.angles == Angles::Large && part(97, n as u32) < 0.5 => {
+            2.0 * part(7, n as u32)
+        }
+        _ => 0.0,
+    };
+    let angles: Vec<_> =
+        (0..count as usize).map(|n| DoubleDouble::new(rises(n).min(1.57))).collect();
+    let system = system.and_then(|it| it.with_rising_pivots(&angles));
     let (system, start) =
         (system.unwrap(), ModalStart::new(&displacements, &velocities, gaps).unwrap());
     let mut state = system.begin(&start);

@@ -2,7 +2,7 @@
 //!
 //! The structure has coordinates q with the velocities v. Their error is measured by max(Λ ‖q‖, ‖v‖), with a bound Λ on the growth of its
 //! derivatives: ‖K q + D v‖ ≤ Λ max(Λ ‖q‖, ‖v‖), and pendulums only add to its inertia. A pendulum at a point of shape φ pulls at it with ‖φ‖ times the
-//! defect of its own pull, and the error of the gap of one reaches that of another by the acceleration of its pivot.
+//! defect of its own pull (`segment/taylor/pivoted.rs`, with γ in the place of c in what it feels of its pivot), and the error of the gap of one reaches that of another by the acceleration of its pivot.
 //! So the matrix of the growth has a row and a column for the structure and for each gap, and (1 − Λ/(N+2))⁻¹ δ is found by elimination. It
 //! has no negative entry, so the bound holds where all pivots are positive: then the matrix is an M-matrix
 //! (A. Berman and R. J. Plemmons, *Nonnegative matrices in the mathematical sciences*, 1979).
@@ -54,7 +54,8 @@ impl<R: Real> RemainderOfSeveral<R> {
         let (length, n) = (h * most, R::from(LAST as f64));
         let of = |it: &InFlight<'_, R>| {
             let Growing { pendulum, y, w, c, a, .. } = it.series;
-            let sums = Sums::new::<LAST, _>(Swung { y, w, c, a }, most);
+            let lean = &it.series.leans();
+            let sums = Sums::new::<LAST, _>(Swung { y, w, c, a, lean }, most);
             let own = Own::new(pendulum, &sums, length, LAST);
             (sums, own)
         };

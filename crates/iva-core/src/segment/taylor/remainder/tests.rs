@@ -30,6 +30,8 @@ fn no_series_leaves_out_more_than_its_bound() {
             pivot_damping: 0.4 * part(23),
             spring: Spring::new(if index % 3 == 0 { 3.0 * part(61) } else { 0.0 }, small_angles),
             small_angles,
+            level: 1.0,
+            rise: 0.0,
         };
         let (y, cosine) = (2.0 * angle.sin(), if small_angles { 1.0 } else { angle.cos() });
         let start = Swing {

@@ -1,17 +1,20 @@
-"""Friction in the pivot of a pendulum: the terms of a swing, and the structure it hangs from.
+"""Pivots of pendulums that rub, and that move up and down.
 
-Numbers come from pencil and paper (small swings below a structure that hardly moves) and from
-Lagrange's equations of structure and pendulum, which SciPy's DOP853 integrates from event to event.
+Numbers come from pencil and paper (small swings below a structure that hardly moves), from
+Lagrange's equations of structure and pendulum, which SciPy's DOP853 integrates from event to event,
+and from the characteristic values of Mathieu's equation.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.special import mathieu_a, mathieu_b
 
 import iva
 
@@ -22,7 +25,7 @@ RATIO, RESTITUTION, CLEARANCE, DAMPING = 0.7, 0.6, 0.5, 0.01
 GRAVITY = KAPPA * LENGTH * RATIO**2
 
 
-def hanging(friction: float, **more: Any) -> iva.Piva:
+def hanging(friction: float | None = None, **more: Any) -> iva.Piva:
     return iva.Piva(
         mass_ratio=MU,
         restitution=RESTITUTION,
@@ -43,14 +46,20 @@ def ends_at(event: Any, direction: float) -> Any:
 
 
 def integrated(
-    friction: float, at_rest: float, amplitude: float, omega: float, start: list[float], end: float
+    rubs: tuple[float, float],
+    rise: float,
+    push: tuple[float, float],
+    start: list[float],
+    end: float,
 ) -> tuple[list[float], list[float], int]:
     """Return the instants of impacts and stops, and how often the pendulum was held.
 
-    States are x, v, θ, θ̇; f is cos Ωt.
+    States are x, v, θ, θ̇; f is cos Ωt. The structure moves along a line that rises, and x is 0
+    where it rests under the weight.
     """
+    amplitude, omega = push
     own, weight = MU * KAPPA * LENGTH**2, MU * GRAVITY * LENGTH
-    limits = [moment * weight for moment in (friction, at_rest)]
+    limits = [moment * weight for moment in rubs]
 
     def pushed(t: float, state: Array) -> float:
         x, v, _, _ = state
@@ -58,12 +67,11 @@ def integrated(
 
     def swing(t: float, state: Array, sign: float) -> list[float]:
         _, v, angle, rate = state
-        across = MU * LENGTH * math.cos(angle)
-        sine = math.sin(angle)
+        across = MU * LENGTH * math.cos(angle - rise)
         matrix = [[1 + MU, across], [across, own]]
         forces = [
-            pushed(t, state) + MU * LENGTH * rate**2 * sine,
-            -weight * sine - limits[0] * sign,
+            pushed(t, state) + MU * LENGTH * rate**2 * math.sin(angle - rise),
+            -weight * math.sin(angle) - limits[0] * sign,
         ]
         acceleration = np.linalg.solve(matrix, forces)
         return [v, acceleration[0], rate, acceleration[1]]
@@ -74,7 +82,7 @@ def integrated(
     def turning(t: float, state: Array) -> float:
         """Return the moment that friction has to carry."""
         angle = state[2]
-        shaken = MU * LENGTH * math.cos(angle) * pushed(t, state) / (1 + MU)
+        shaken = MU * LENGTH * math.cos(angle - rise) * pushed(t, state) / (1 + MU)
         return -shaken - weight * math.sin(angle)
 
     t, state = 0.0, np.array(start)
@@ -122,7 +130,7 @@ def integrated(
             break
         if found.t_events[1].size:
             impacts.append(t)
-            share = MU * LENGTH * math.cos(state[2]) / (1 + MU)
+            share = MU * LENGTH * math.cos(state[2] - rise) / (1 + MU)
             state[1] += share * (1 + RESTITUTION) * state[3]
             state[3] *= -RESTITUTION
         else:
@@ -133,18 +141,27 @@ def integrated(
 
 
 @pytest.mark.parametrize(
-    ("friction", "at_rest", "amplitude", "omega"),
-    [(0.05, 0.05, 0.0, 1.0), (0.1, 0.1, 0.12, 0.9), (0.3, 0.4, 1.0, 0.6), (0.2, 0.2, 0.1, 1.05)],
+    ("rubs", "rise", "push"),
+    [
+        ((0.05, 0.05), 0.0, (0.0, 1.0)),
+        ((0.1, 0.1), 0.0, (0.12, 0.9)),
+        ((0.3, 0.4), 0.0, (1.0, 0.6)),
+        ((0.2, 0.2), 0.0, (0.1, 1.05)),
+        ((0.0, 0.0), 0.4, (0.2, 0.9)),
+        ((0.05, 0.05), 1.1, (0.6, 1.1)),
+        ((0.0, 0.0), math.pi / 2, (0.6, 1.3)),
+    ],
 )
 def test_the_swing_is_that_of_lagranges_equations(
-    friction: float, at_rest: float, amplitude: float, omega: float
+    rubs: tuple[float, float], rise: float, push: tuple[float, float]
 ) -> None:
     start = [1.0, 0.0, 0.3, 0.0]
     end = 60.0
-    impacts, stops, holds = integrated(friction, at_rest, amplitude, omega, start, end)
-    force = iva.Harmonic(amplitude=amplitude, frequency=omega) if amplitude else None
+    impacts, stops, holds = integrated(rubs, rise, push, start, end)
+    force = iva.Harmonic(amplitude=push[0], frequency=push[1]) if push[0] else None
+    rubbing = {"friction": rubs[0], "static_friction": rubs[1]} if rubs[0] else {}
     run = iva.simulate(
-        hanging(friction, static_friction=at_rest),
+        hanging(inclination=rise, **rubbing),
         iva.Primary(damping_ratio=DAMPING),
         start=iva.Start(displacement=1.0, angle=0.3),
         force=force,
@@ -154,10 +171,44 @@ def test_the_swing_is_that_of_lagranges_equations(
     times = run.impacts["time"].to_numpy()
     assert len(times) == len(impacts) > 3
     assert np.abs(times - impacts).max() < 1e-8
-    assert row["stops"] == len(stops) >= 3
-    assert row["energy_friction"] > 0.0
+    if rubs[0]:
+        assert row["stops"] == len(stops) >= 3
+        assert row["energy_friction"] > 0.0
     assert abs(row["energy_residual"]) < 1e-12
     assert (row["time_held"] > 0.0) == (holds > 0)
+
+
+def trace_after_a_period(a: float, q: float) -> float:
+    """Return the trace of the monodromy of small swings on an upright motion X cos Ωt."""
+    omega = 2 * RATIO / math.sqrt(a)
+    motion = 0.5 * q * KAPPA * LENGTH
+    damper = hanging(inclination_deg=90.0)
+    small, trace = 1e-7, 0.0
+    for angle, rate in ((small, 0.0), (0.0, small)):
+        run = iva.simulate(
+            dataclasses.replace(damper, mass_ratio=1e-12),
+            iva.Primary(damping_ratio=0.0),
+            start=iva.Start(displacement=motion, angle=angle, angular_velocity=rate),
+            force=iva.Harmonic(amplitude=motion * (1 - omega**2), frequency=omega),
+            duration=2 * math.pi / omega,
+        )
+        last = run.trajectory().row(-1, named=True)
+        trace += last["angle"] / small if angle else last["angular_velocity"] / small
+    return trace
+
+
+@pytest.mark.parametrize("q", [0.05, 0.3, 0.8])
+def test_an_upright_motion_has_the_stability_boundaries_of_mathieu(q: float) -> None:
+    # On the boundaries of the first tongue both multipliers are -1, on those of the second 1.
+    lower, upper = mathieu_b(1, q), mathieu_a(1, q)
+    for a in (lower, upper):
+        assert abs(trace_after_a_period(a, q) + 2) < 1e-9
+    for a in (mathieu_b(2, q), mathieu_a(2, q)):
+        assert abs(trace_after_a_period(a, q) - 2) < 1e-9
+    middle, wide = 0.5 * (lower + upper), upper - lower
+    assert trace_after_a_period(middle, q) < -2 - 0.1 * q
+    for a in (lower - 0.01 * wide, upper + 0.01 * wide):
+        assert trace_after_a_period(a, q) > -2
 
 
 def test_friction_holds_up_to_its_angle() -> None:
