@@ -90,7 +90,7 @@ pub(crate) fn complete(spec: &mut Spec, field: FieldId) {
     if matches!(field, FieldId::GapOffset | FieldId::GapOffsetMm) && kind == Kind::Stop {
         spec.set(FieldId::Displacement, 0.003).unwrap();
     }
-    if field == FieldId::StaticFriction {
+    if field == FieldId::StaticFriction && matches!(kind, Kind::Siva | Kind::Piva) {
         spec.set(FieldId::Friction, 0.1).unwrap();
     }
 }
