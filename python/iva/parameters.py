@@ -648,6 +648,10 @@ class Piva(Part):
         Momentum and restitution, or the paper's Eqs. 16 and 17 as printed, for comparison only:
         they do not conserve momentum, their rebounds shrink by 2μe/(1+μ), and ``energy_loss`` may
         be negative.
+    walls : {"both", "plus", "minus"}, optional
+        Both stops, or that at the upper (+) or lower end of the gap only. On the other side the
+        pendulum swings freely, up to the horizontal: a run in which it gets there ends as
+        ``not_finite``.
 
     Raises
     ------
@@ -664,7 +668,7 @@ class Piva(Part):
 
     _part = "absorber"
     _kind = "piva"
-    _words = ("angles", "impact_law")
+    _words = ("angles", "impact_law", "walls")
     _tables = ("restitution_table",)
 
     mass_ratio: float | None = None
@@ -700,6 +704,7 @@ class Piva(Part):
     spring_ratio: float | None = None
     angles: Literal["large", "small"] = "large"
     impact_law: Literal["consistent", "printed"] = "consistent"
+    walls: Any = "both"
 
 
 #: An absorber of any kind, or a stop on the ground.

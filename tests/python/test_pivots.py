@@ -51,6 +51,7 @@ def integrated(
     push: tuple[float, float],
     start: list[float],
     end: float,
+    sides: tuple[float, ...] = (-1.0, 1.0),
 ) -> tuple[list[float], list[float], int]:
     """Return the instants of impacts and stops, and how often the pendulum was held.
 
@@ -116,7 +117,7 @@ def integrated(
             return float(state[3])
 
         def meets(_t: float, state: Array, sign: float = sign) -> float:
-            return float(wall - sign * state[2])
+            return float(wall - sign * state[2]) if sign in sides else 1.0
 
         found = solve_ivp(
             lambda t, state, sign=sign: swing(t, state, sign),
@@ -210,6 +211,36 @@ def test_an_upright_motion_has_the_stability_boundaries_of_mathieu(q: float) -> 
     assert trace_after_a_period(middle, q) < -2 - 2 * q**2
     for a in (lower - 0.01 * wide, upper + 0.01 * wide):
         assert trace_after_a_period(a, q) > -2
+
+
+@pytest.mark.parametrize("rise", [0.0, 0.7])
+def test_one_stop_leaves_the_other_side_free(rise: float) -> None:
+    start, push, end = [0.6, 0.0, -0.8, 0.0], (0.1, 1.05), 40.0
+    impacts, _, _ = integrated((0.0, 0.0), rise, push, start, end, sides=(1.0,))
+    run = iva.simulate(
+        hanging(inclination=rise, walls="plus"),
+        iva.Primary(damping_ratio=DAMPING),
+        start=iva.Start(displacement=start[0], angle=start[2]),
+        force=iva.Harmonic(amplitude=push[0], frequency=push[1]),
+        duration=end,
+    )
+    times = run.impacts["time"].to_numpy()
+    assert len(times) == len(impacts) > 5
+    assert np.abs(times - impacts).max() < 1e-8
+    assert run.impacts["wall"].unique().to_list() == [1]
+    assert run.trajectory()["gap_displacement"].min() < -1.2 * CLEARANCE
+    assert abs(run.summary["energy_residual"][0]) < 1e-12
+
+
+def test_beyond_the_horizontal_a_run_ends_and_says_so() -> None:
+    for rate, outcome in ((1.0, "finished"), (3.0, "not_finite")):
+        run = iva.simulate(
+            hanging(walls="plus"),
+            iva.Primary(damping_ratio=DAMPING),
+            start=iva.Start(displacement=0.1, angular_velocity=-rate),
+            duration=40.0,
+        )
+        assert run.summary["outcome"][0] == outcome
 
 
 def test_friction_holds_up_to_its_angle() -> None:

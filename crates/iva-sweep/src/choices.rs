@@ -112,7 +112,7 @@ pub static CHOICES: [Choice; 4] = [
     Choice {
         name: "walls",
         words: &["both", "plus", "minus"],
-        kinds: &[Kind::Siva, Kind::Stop],
+        kinds: &[Kind::Siva, Kind::Piva, Kind::Stop],
         help: "both walls of the gap, or that at its upper or lower end only",
     },
 ];
@@ -126,7 +126,7 @@ pub struct Choices {
     pub angles: Angles,
     /// The impact law of a pendulum.
     pub impact_law: ImpactLaw,
-    /// The walls of a free mass, or of a stop on the ground.
+    /// The walls of the gap.
     pub walls: Walls,
 }
 

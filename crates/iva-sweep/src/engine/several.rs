@@ -46,7 +46,7 @@ pub(super) fn each<R: Real>(
         let (mass, mut gap) = (mass(given, unit, scale, units)?, gap(given, scale));
         if given.choices().kind == Kind::Piva {
             let hanging = hanging(given, unit, scale, units)?;
-            let gap = hanged(given, &hanging.0, scale, mass.offset())?;
+            let gap = hanged(given, &hanging.0, scale, &mass)?;
             let weight = pendulum::friction(given, &hanging)?;
             let rising = free_mass::inclination(given)?.unwrap_or(DoubleDouble::ZERO);
             let hanging = Some(hanging);
@@ -85,13 +85,13 @@ fn hanged<R: Real>(
     given: &Given<'_, R>,
     parameters: &Parameters<R>,
     scale: &Scale<R>,
-    offset: R,
+    mass: &FreeMass<R>,
 ) -> Result<GapPoint<R>, Invalid> {
     let GapPoint { y, w } = gap(given, scale);
     let start = Start { gap_displacement: y, gap_velocity: w, ..Start::default() };
     let PivaStart { place, rate, .. } = pendulum::start(given, start, scale);
     let named = |error| Invalid { field: given.path(FieldId::Angle), ..error };
-    parameters.gap(place, rate, offset).map_err(named)
+    parameters.gap(place, rate, mass).map_err(named)
 }
 
 /// The gap displacement and velocity at the start.

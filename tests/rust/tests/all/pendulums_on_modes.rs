@@ -231,12 +231,13 @@ fn an_offset_moves_the_stops() {
 #[test]
 fn a_start_by_its_angle_is_one_by_its_gap() {
     let bob = Parameters::point_bob(0.1, 0.5, 0.4, 0.0, 2.0);
-    let GapPoint { y, w } = bob.gap(Given::Angle(0.1), Given::Angle(0.3), 0.05).unwrap();
+    let gap = FreeMass::new(0.1, 0.5, 0.4).unwrap().with_offset(0.05).unwrap();
+    let GapPoint { y, w } = bob.gap(Given::Angle(0.1), Given::Angle(0.3), &gap).unwrap();
     assert!((y - 2.0 * 0.1_f64.sin()).abs() < 1e-15 && (w - 0.6 * 0.1_f64.cos()).abs() < 1e-15);
     let stop = (0.45_f64 / 2.0).asin();
-    assert!(bob.gap(Given::Angle(stop - 1e-9), Given::Gap(0.0), 0.05).is_ok());
+    assert!(bob.gap(Given::Angle(stop - 1e-9), Given::Gap(0.0), &gap).is_ok());
     for angle in [stop + 1e-9, -0.2, f64::NAN, 3.0] {
-        let error = bob.gap(Given::Angle(angle), Given::Gap(0.0), 0.05).unwrap_err();
+        let error = bob.gap(Given::Angle(angle), Given::Gap(0.0), &gap).unwrap_err();
         assert_eq!(error.field, "start.angle");
     }
 }

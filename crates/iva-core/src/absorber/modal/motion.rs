@@ -14,7 +14,7 @@ use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::Jet;
-use crate::segment::taylor::{ORDER, ROOM, Row};
+use crate::segment::taylor::{ORDER, ROOM, Row, horner};
 
 /// A mass this close to the wall that it left, in clearances, is followed by the series of its own distance.
 const NEAR: f64 = 1e-6;
@@ -319,7 +319,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
                 *place
             } else if near || system.host.moves_base() || system.hanging(k).is_some() {
                 // The series keeps the relative accuracy of a rebound or of a slide, however small it is.
-                self.place(k, h)
+                let place = self.place(k, h);
+                let level = self.swing(k).is_some_and(|Swing { series, .. }| {
+                    system.is_turned_level(k, series.pendulum, horner(&series.c, self.share(h)))
+                });
+                if level { Place { distance: DoubleDouble::new(R::NAN), ..place } } else { place }
             } else {
                 system.place_after(from, k, (&modes, [DoubleDouble::ZERO; 2]), Clock::new(h))
             };

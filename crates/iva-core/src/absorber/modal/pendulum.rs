@@ -52,9 +52,9 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             let Some(parameters) = parameters else { continue };
             let field = |name: &str| format!("absorber.{k}.{name}");
             let mass = &self.masses[k];
-            if mass.only.is_some() || self.on_ground(k) {
-                let rule = "a pendulum hangs from a point between two stops";
-                return Err(Invalid::new(field("walls"), "one", rule));
+            if self.on_ground(k) {
+                let rule = "a stop on the ground is no pendulum";
+                return Err(Invalid::new(field("kind"), "piva", rule));
             }
             let parameters = Parameters {
                 mass_ratio: mass.mass_ratio,
@@ -73,7 +73,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
                 return Err(Invalid::new(field("impact_law"), "\"printed\"", rule));
             }
             let most = parameters.contact_distance - mass.offset.abs();
-            if parameters.angles == Angles::Large && mass.clearance >= most {
+            let far = |wall: R| wall.is_finite() && wall.abs() >= parameters.contact_distance;
+            if parameters.angles == Angles::Large && mass.walls().into_iter().any(far) {
                 let rule = format!(
                     "beside other absorbers, and on modes, a pendulum must reach its stops: give less than {}",
                     number(most)
@@ -166,6 +167,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     pub(super) fn lean(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
         let y = self.gap_of_place(k, place).value;
         is.lean(y, is.cosine(y))
+    }
+
+    /// True if a pendulum has swung to the horizontal, which no stop keeps it from: beyond, its place is no longer told by its gap.
+    pub(super) fn is_turned_level(&self, k: usize, is: &Pendulum<R>, c: R) -> bool {
+        c <= 0.0 && !is.small_angles && self.masses[k].only.is_some()
     }
 
     /// c.

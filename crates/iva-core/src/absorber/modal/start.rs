@@ -5,7 +5,7 @@ use super::structure::same;
 use super::{MOST, MOST_MODES, Modal, ModalState};
 use crate::absorber::Clock;
 use crate::absorber::siva::free_mass::check_place;
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::host::{Host, Phase};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -58,7 +58,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 range::size(&field, *value)?;
                 if j >= n {
                     let rule = format!("the structure has {n} modes");
-                    return Err(Invalid::new(field, crate::error::number(*value), rule));
+                    return Err(Invalid::new(field, number(*value), rule));
                 }
             }
         }
@@ -77,6 +77,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             range::size(&field("gap_displacement"), y)?;
             range::size(&field("gap_velocity"), w)?;
             check_place(&field("gap_displacement"), y, mass.walls(), size)?;
+            let reach = self.hanging(k).filter(|is| !is.small_angles);
+            if let Some(is) = reach.filter(|is| y.abs() >= is.contact_distance) {
+                let rule = format!(
+                    "a pendulum hangs below its pivot: give less than {} to either side",
+                    number(is.contact_distance)
+                );
+                return Err(Invalid::new(field("gap_displacement"), number(y), rule));
+            }
         }
         Ok(())
     }

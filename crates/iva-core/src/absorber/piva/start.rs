@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Angles, Parameters, Piva, PivaState};
+use crate::absorber::siva::FreeMass;
 use crate::absorber::{Clock, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::host::oscillator::Primary;
@@ -86,18 +87,25 @@ impl<R: Real> Pose<R> {
 }
 
 impl<R: Real> Parameters<R> {
-    /// Gap displacement and gap velocity of a pendulum below its pivot, between stops at an offset ± d.
+    /// Gap displacement and gap velocity of a pendulum below its pivot, between the stops of this gap.
     ///
     /// # Errors
     /// [`Invalid`] for an angle beyond the stops, naming `start.angle`.
-    pub fn gap(&self, place: Given<R>, rate: Given<R>, offset: R) -> Result<GapPoint<R>, Invalid> {
+    pub fn gap(
+        &self,
+        place: Given<R>,
+        rate: Given<R>,
+        gap: &FreeMass<R>,
+    ) -> Result<GapPoint<R>, Invalid> {
         let Pose { y, cosine, w } = Pose::new(&self.pendulum(), place, rate);
-        let (d, b) = (self.clearance, self.contact_distance);
+        let (b, walls) = (self.contact_distance, gap.walls());
         if let Given::Angle(angle) = place {
-            let beyond = (y - offset).abs() - d > R::EPSILON * ON_WALL_ULPS * (d + offset.abs());
+            let [low, high] = walls;
+            let size = gap.clearance() + gap.offset().abs();
+            let beyond = (low - y).max(y - high) > R::EPSILON * ON_WALL_ULPS * size;
             if beyond || cosine.value <= 0.0 || angle.is_nan() {
-                let [low, high] = [offset - d, offset + d].map(|y| {
-                    let sine = y / b;
+                let [low, high] = walls.map(|y| {
+                    let sine = y.max(-b).min(b) / b;
                     let cosine = (R::ONE - sine * sine).max(0.0).sqrt();
                     let turned = R::atan2(sine, cosine);
                     number(if self.angles == Angles::Small { sine } else { turned })
