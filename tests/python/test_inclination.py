@@ -346,14 +346,17 @@ def test_bad_values_are_named(fields: dict[str, float], pieces: tuple[str, ...])
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["inclination", "inclination_deg"])
-def test_a_pendulum_has_no_inclination(name: str) -> None:
-    """Contract: an unknown keyword, and an axis of another absorber."""
-    given: Any = PLAIN | {"frequency_ratio": 0.4, "length": 3.0}
-    with pytest.raises(TypeError, match=name):
-        iva.Piva(**(given | {name: 0.5}))
-    with pytest.raises(ValueError, match=rf"sweep\.{name}"):
-        iva.sweep(iva.Piva(**given), iva.Primary(), over={name: [0.5]}, start=REST, periods=1)
+@pytest.mark.parametrize("upright", [{"inclination": math.pi / 2}, {"inclination_deg": 90.0}])
+def test_a_pendulum_hangs_still_on_an_upright_motion(upright: dict[str, float]) -> None:
+    """Closed form: all of its mass moves with the structure, x = cos(t / √(1 + μ))."""
+    damper = iva.Piva(**(PLAIN | {"frequency_ratio": 0.4, "length": 3.0} | upright))
+    start = iva.Start(displacement=1.0)
+    run = iva.simulate(damper, iva.Primary(damping_ratio=0.0), start=start, duration=20.0)
+    assert (run.summary["impacts"][0], run.summary["episodes"][0]) == (0, 0)
+    motion = run.trajectory()
+    expected = np.cos(motion["time"].to_numpy() / math.sqrt(1 + PLAIN["mass_ratio"]))
+    assert np.abs(motion["displacement"].to_numpy() - expected).max() < 1e-14
+    assert motion["angle"].abs().max() == 0.0
 
 
 def test_units() -> None:

@@ -20,7 +20,7 @@ from iva import _iva
 PARTS: list[tuple[str, str, Any, list[str]]] = [
     ("primary", "siva", iva.Primary, []),
     ("absorber", "siva", iva.Siva, ["walls"]),
-    ("absorber", "piva", iva.Piva, ["angles", "impact_law"]),
+    ("absorber", "piva", iva.Piva, ["angles", "impact_law", "walls"]),
     ("start", "piva", iva.Start, []),
 ]
 

@@ -414,7 +414,7 @@ def test_no_number_of_an_absorber_can_be_swept(name: str) -> None:
 
 def test_words_of_a_pendulum_are_refused() -> None:
     for name in iva.Piva._words:
-        word = {"angles": "small", "impact_law": "printed"}[name]
+        word = {"angles": "small", "impact_law": "printed", "walls": "plus"}[name]
         spec = {"absorber.kind": "none", f"absorber.{name}": word, "run.periods": 1.0}
         refused(lambda spec=spec: _iva.states(spec, []), f"absorber.{name}")  # type: ignore[misc]
 

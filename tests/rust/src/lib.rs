@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 pub mod case;
+pub mod composed;
 pub mod covered;
 pub mod dd;
 pub mod driven;

@@ -8,20 +8,16 @@ use iva_core::{
     absorber::modal::{FewModes, Modal, ModalStart, ModalStructure},
     compensated::DoubleDouble,
     flight::GapPoint,
-    force::{Acts, Force},
-    host::UndrivenHost,
-    observe::Events,
+    force::Acts,
     piva::{Given, Parameters},
-    propagation::Errors,
     real::{Real, twofold::Twofold},
-    run::{Run, run},
-    simulate::{Limits, Outcome, simulate},
+    run::run,
+    simulate::Limits,
     siva::FreeMass,
 };
-use iva_tests::covered::Covered;
+use iva_tests::composed::{self, Composed, Scenes};
 use iva_tests::modal::{
-    Mass, POINTS, any_mass, any_start, any_structure, built, furthest, limits, push, reals, rows,
-    ties,
+    Mass, POINTS, any_mass, any_start, any_structure, built, limits, push, reals, ties,
 };
 use iva_tests::rng::Rng;
 use iva_tests::some;
@@ -40,120 +36,47 @@ fn hanging<R: Real>(rng: &mut Rng, [_, _, d, offset, ..]: Mass) -> Parameters<R>
     }
 }
 
-/// The system of a seed: two pendulums, a mass with a spring and a dashpot and one that rubs, on lines that may rise.
-type System<R> = Modal<UndrivenHost<R>, 4>;
-type Begin<R> = ModalStart<R, 4>;
+/// Two pendulums, a mass with a spring and a dashpot and one that rubs, on lines that may rise.
+struct Pendulums;
 
-fn scene<R: Real>(seed: u64) -> (System<R>, Begin<R>, Option<Force<R>>) {
-    let mut rng = Rng::new(5100 + seed);
-    let masses: [Mass; 4] = std::array::from_fn(|_| any_mass(&mut rng));
-    let pendulums = [0, 1].map(|k| Some(hanging(&mut rng, masses[k])));
-    let mut any = || rng.log_range(1e-3, 0.1);
-    let tied = [[0.0; 2], [0.0; 2], [any(), any()], [0.0; 2]];
-    let rubs = [0.0, if seed % 4 < 2 { any() } else { 0.0 }, 0.0, any()];
-    let rises = if seed.is_multiple_of(2) { [0.0, 0.0, any(), any()] } else { [0.0; 4] };
-    let structure = any_structure::<R>(&mut rng, 3, seed.is_multiple_of(3));
-    let at: [_; 4] = std::array::from_fn(|k| (built::<R>(masses[k]), POINTS[k]));
-    let start = any_start::<R, 4>(&mut rng, 3, &masses);
-    let system = System::new(structure, at).unwrap();
-    let [one, other] = pendulums;
-    let system = system.with_pendulums(&[one, other, None, None]).unwrap();
-    let steep = if seed % 5 < 3 { [rng.range(0.0, 1.5), rng.pick(&[0.0, 1.5])] } else { [0.0; 2] };
-    let steep = [steep[0], steep[1], 0.0, 0.0].map(|angle| DoubleDouble::new(R::from(angle)));
-    let system = system.with_rising_pivots(&steep).unwrap();
-    let system = system.with_ties(&ties(&tied)).unwrap().with_gravity(&reals(&rises)).unwrap();
-    let system = system.with_friction(&reals(&rubs)).unwrap();
-    let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
-    (system, start, acts.map(|acts| push(0.4, 0.9, acts)))
-}
-
-fn ran<R: Real>(seed: u64, duration: f64) -> Events<R> {
-    let (system, start, force) = scene::<R>(seed);
-    let (mut events, limits) = (Events::default(), limits::<R>(duration));
-    match force {
-        None => simulate(&system, &start, &limits, None, &mut events).map(|_| ()).unwrap(),
-        Some(force) => {
-            let driven = system.under(force, POINTS[1]).unwrap();
-            simulate(&driven, &start, &limits, None, &mut events).map(|_| ()).unwrap();
-        }
-    }
-    events
-}
-
-/// What is lost in impacts, in the structure, in dashpots and pivots and by friction, and what is left of the ledger.
-fn energies<S, R: Real>(run: &Run<S, R>) -> [f64; 5] {
-    assert_eq!(run.tally.outcome, Outcome::Finished);
-    let measures = &run.measures;
-    let all = [
-        run.tally.energy_impacts,
-        measures.energy_viscous,
-        measures.energy_pivot,
-        measures.energy_friction,
-        measures.energy_residual,
-    ];
-    all.map(Real::double)
-}
-
-fn lost<R: Real>(seed: u64) -> ([f64; 5], [usize; 2]) {
-    let (system, start, force) = scene::<R>(seed);
-    let limits = limits::<R>(20.0);
-    let counted = |impacts: usize, episodes: usize| [impacts, episodes];
-    match force {
-        None => {
-            let run = run(&system, &start, &limits).unwrap();
-            (energies(&run), counted(run.impacts.len(), run.episodes.len()))
-        }
-        Some(force) => {
-            let run = run(&system.under(force, POINTS[1]).unwrap(), &start, &limits).unwrap();
-            (energies(&run), counted(run.impacts.len(), run.episodes.len()))
-        }
+impl Scenes for Pendulums {
+    fn scene<R: Real>(seed: u64) -> Composed<R> {
+        let mut rng = Rng::new(5100 + seed);
+        let masses: [Mass; 4] = std::array::from_fn(|_| any_mass(&mut rng));
+        let pendulums = [0, 1].map(|k| Some(hanging(&mut rng, masses[k])));
+        let mut any = || rng.log_range(1e-3, 0.1);
+        let tied = [[0.0; 2], [0.0; 2], [any(), any()], [0.0; 2]];
+        let rubs = [0.0, if seed % 4 < 2 { any() } else { 0.0 }, 0.0, any()];
+        let rises = if seed.is_multiple_of(2) { [0.0, 0.0, any(), any()] } else { [0.0; 4] };
+        let structure = any_structure::<R>(&mut rng, 3, seed.is_multiple_of(3));
+        let at: [_; 4] = std::array::from_fn(|k| (built::<R>(masses[k]), POINTS[k]));
+        let start = any_start::<R, 4>(&mut rng, 3, &masses);
+        let system = Modal::new(structure, at).unwrap();
+        let [one, other] = pendulums;
+        let system = system.with_pendulums(&[one, other, None, None]).unwrap();
+        let steep =
+            if seed % 5 < 3 { [rng.range(0.0, 1.5), rng.pick(&[0.0, 1.5])] } else { [0.0; 2] };
+        let steep = [steep[0], steep[1], 0.0, 0.0].map(|angle| DoubleDouble::new(R::from(angle)));
+        let system = system.with_rising_pivots(&steep).unwrap();
+        let system = system.with_ties(&ties(&tied)).unwrap().with_gravity(&reals(&rises)).unwrap();
+        let system = system.with_friction(&reals(&rubs)).unwrap();
+        let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
+        (system, start, acts.map(|acts| push(0.4, 0.9, acts)))
     }
 }
 
 /// The ledger closes, to all digits of either numbers.
 #[test]
 fn ledgers_close() {
-    let mut counted = [0; 2];
-    for seed in 0..some(36) as u64 {
-        let ([struck, viscous, swung, rubbed, residual], more) = lost::<f64>(seed);
-        assert!(swung > 0.0 && rubbed > 0.0, "{seed}");
-        let most = struck + viscous + swung + rubbed;
-        assert!(residual.abs() < 1e-13 * most, "{seed}: {residual:e} of {most}");
-        counted = [counted[0] + more[0], counted[1] + more[1]];
-        if seed < 6 {
-            let ([.., residual], _) = lost::<Twofold>(seed);
-            // The quadrature of the losses leaves out 10⁻²⁰ of them.
-            assert!(residual.abs() < 1e-20, "{seed}: {residual:e}");
-        }
-    }
+    let ([_, _, swung, rubbed, _], counted) = composed::ledgers_close::<Pendulums>(some(36));
+    assert!(swung > 0.0 && rubbed > 0.0);
     assert!(counted[0] > some(800) && counted[1] > some(15), "{counted:?}");
 }
 
-/// Doubles against twice the precision: the first impacts, which conditioning has not yet spread; and the errors as they are estimated.
 #[test]
 fn doubles_agree_with_twice_the_precision() {
-    let (mut covered, mut worst, mut compared) = (Covered::default(), 0.0_f64, 0);
-    for seed in 0..some(150) as u64 {
-        let (plain, exact) = (ran::<f64>(seed, 9.0), ran::<Twofold>(seed, 9.0));
-        let few = plain.impacts.len().min(exact.impacts.len()).min(6);
-        let first = [rows(&plain.impacts[..few]), rows(&exact.impacts[..few])];
-        worst = worst.max(furthest(&first[0], &first[1]));
-        compared += few;
-        let (system, start, force) = scene::<f64>(seed);
-        let mut errors = Errors::default();
-        match force {
-            None => {
-                simulate(&system, &start, &limits(9.0), None, &mut errors).unwrap();
-            }
-            Some(force) => {
-                let driven = system.under(force, POINTS[1]).unwrap();
-                simulate(&driven, &start, &limits(9.0), None, &mut errors).unwrap();
-            }
-        }
-        covered.count(&plain.impacts, &exact.impacts, &errors);
-    }
-    assert!(worst < 1e-12 && compared > some(600), "{worst:e} {compared}");
-    covered.holds(some(1500));
+    let compared = composed::doubles_agree::<Pendulums>(some(150), some(1500));
+    assert!(compared > some(600), "{compared}");
 }
 
 /// A structure of one mode with φ = 1 at one point and 2 at another: a pendulum at the second is one of a quarter of L, b, d and κL's gravity at the first, by

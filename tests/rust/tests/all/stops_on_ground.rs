@@ -8,19 +8,15 @@ use iva_core::{
     absorber::Wall,
     absorber::modal::{Modal, ModalStart, ModalStructure, PRIMARY},
     flight::GapPoint,
-    force::{Acts, Force},
+    force::Acts,
     host::UndrivenHost,
-    observe::Events,
-    propagation::Errors,
-    real::{Real, twofold::Twofold},
-    run::{Run, run},
-    simulate::{Limits, Outcome, simulate},
+    real::Real,
+    run::run,
+    simulate::Limits,
     siva::FreeMass,
 };
-use iva_tests::covered::Covered;
-use iva_tests::modal::{
-    POINTS, any_mass, any_structure, built, furthest, limits, push, reals, rows, ties,
-};
+use iva_tests::composed::{self, Composed, Scenes};
+use iva_tests::modal::{POINTS, any_mass, any_structure, built, furthest, push, reals, rows, ties};
 use iva_tests::rng::Rng;
 use iva_tests::some;
 
@@ -187,115 +183,55 @@ fn a_mirrored_scene_has_mirrored_events() {
     }
 }
 
-type System<R> = Modal<UndrivenHost<R>, 4>;
-type Begin<R> = ModalStart<R, 4>;
-
 /// Three modes between stops at two points, with a mass that rubs and one with a spring and a dashpot.
-fn scene<R: Real>(seed: u64) -> (System<R>, Begin<R>, Option<Force<R>>) {
-    let mut rng = Rng::new(7300 + seed);
-    let structure = any_structure::<R>(&mut rng, 3, seed.is_multiple_of(3));
-    let mut stop = || {
-        let [e, d] = [rng.range(0.0, 0.95), rng.log_range(0.1, 0.6)];
-        let stop = FreeMass::on_ground(R::from(e), R::from(d)).unwrap();
-        stop.with_offset(R::from(d * rng.range(-0.6, 0.6))).unwrap()
-    };
-    let stops = [stop(), stop()];
-    let masses = [any_mass(&mut rng), any_mass(&mut rng)];
-    let members = [
-        (stops[0], POINTS[0]),
-        (built::<R>(masses[0]), POINTS[1]),
-        (stops[1], POINTS[2]),
-        (built::<R>(masses[1]), POINTS[0]),
-    ];
-    let mut any = || rng.log_range(1e-3, 0.1);
-    let tied = [[0.0; 2], [any(), any()], [0.0; 2], [0.0; 2]];
-    let rubs = [0.0, 0.0, 0.0, any()];
-    let velocities: [f64; 3] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
-    let gap =
-        |[_, _, _, offset, ..]: iva_tests::modal::Mass| GapPoint { y: R::from(offset), w: R::ZERO };
-    let rest = GapPoint { y: R::ZERO, w: R::ZERO };
-    let gaps = [rest, gap(masses[0]), rest, gap(masses[1])];
-    let start = Begin::new(&[R::ZERO; 3], &reals(&velocities), gaps).unwrap();
-    let system = System::new(structure, members).unwrap();
-    let system = system.with_ties(&ties(&tied)).unwrap().with_friction(&reals(&rubs)).unwrap();
-    let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
-    (system, start, acts.map(|acts| push(0.4, 0.9, acts)))
-}
+struct BesideAbsorbers;
 
-fn ran<R: Real>(seed: u64, duration: f64) -> Events<R> {
-    let (system, start, force) = scene::<R>(seed);
-    let (mut events, limits) = (Events::default(), limits::<R>(duration));
-    match force {
-        None => simulate(&system, &start, &limits, None, &mut events).map(|_| ()).unwrap(),
-        Some(force) => {
-            let driven = system.under(force, POINTS[1]).unwrap();
-            simulate(&driven, &start, &limits, None, &mut events).map(|_| ()).unwrap();
-        }
-    }
-    events
-}
-
-/// What is lost, what is left of the ledger, and the numbers of impacts and sticks.
-fn ledger<S, R: Real>(run: &Run<S, R>) -> ([f64; 2], [usize; 2]) {
-    assert_eq!(run.tally.outcome, Outcome::Finished);
-    let lost = run.tally.energy_impacts + run.measures.energy_viscous;
-    let all = [lost, run.measures.energy_residual].map(Real::double);
-    (all, [run.impacts.len(), run.episodes.len()])
-}
-
-fn lost<R: Real>(seed: u64) -> ([f64; 2], [usize; 2]) {
-    let (system, start, force) = scene::<R>(seed);
-    let limits = limits::<R>(20.0);
-    match force {
-        None => ledger(&run(&system, &start, &limits).unwrap()),
-        Some(force) => {
-            ledger(&run(&system.under(force, POINTS[1]).unwrap(), &start, &limits).unwrap())
-        }
+impl Scenes for BesideAbsorbers {
+    fn scene<R: Real>(seed: u64) -> Composed<R> {
+        let mut rng = Rng::new(7300 + seed);
+        let structure = any_structure::<R>(&mut rng, 3, seed.is_multiple_of(3));
+        let mut stop = || {
+            let [e, d] = [rng.range(0.0, 0.95), rng.log_range(0.1, 0.6)];
+            let stop = FreeMass::on_ground(R::from(e), R::from(d)).unwrap();
+            stop.with_offset(R::from(d * rng.range(-0.6, 0.6))).unwrap()
+        };
+        let stops = [stop(), stop()];
+        let masses = [any_mass(&mut rng), any_mass(&mut rng)];
+        let members = [
+            (stops[0], POINTS[0]),
+            (built::<R>(masses[0]), POINTS[1]),
+            (stops[1], POINTS[2]),
+            (built::<R>(masses[1]), POINTS[0]),
+        ];
+        let mut any = || rng.log_range(1e-3, 0.1);
+        let tied = [[0.0; 2], [any(), any()], [0.0; 2], [0.0; 2]];
+        let rubs = [0.0, 0.0, 0.0, any()];
+        let velocities: [f64; 3] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
+        let gap = |[_, _, _, offset, ..]: iva_tests::modal::Mass| GapPoint {
+            y: R::from(offset),
+            w: R::ZERO,
+        };
+        let rest = GapPoint { y: R::ZERO, w: R::ZERO };
+        let gaps = [rest, gap(masses[0]), rest, gap(masses[1])];
+        let start = ModalStart::new(&[R::ZERO; 3], &reals(&velocities), gaps).unwrap();
+        let system = Modal::new(structure, members).unwrap();
+        let system = system.with_ties(&ties(&tied)).unwrap().with_friction(&reals(&rubs)).unwrap();
+        let acts = [None, Some(Acts::Primary), Some(Acts::Base)][seed as usize % 3];
+        (system, start, acts.map(|acts| push(0.4, 0.9, acts)))
     }
 }
 
 /// The ledger closes, to all digits of either numbers.
 #[test]
 fn ledgers_close() {
-    let mut counted = [0; 2];
-    for seed in 0..some(60) as u64 {
-        let ([struck, residual], more) = lost::<f64>(seed);
-        assert!(residual.abs() < 1e-13 * struck, "{seed}: {residual:e} of {struck}");
-        counted = [counted[0] + more[0], counted[1] + more[1]];
-        if seed < 6 {
-            let ([_, residual], _) = lost::<Twofold>(seed);
-            // The quadrature of the losses leaves out 10⁻²⁰ of them.
-            assert!(residual.abs() < 1e-20, "{seed}: {residual:e}");
-        }
-    }
+    let (_, counted) = composed::ledgers_close::<BesideAbsorbers>(some(60));
     assert!(counted[0] > some(900) && counted[1] > some(20), "{counted:?}");
 }
 
-/// Doubles against twice the precision: the first impacts, which conditioning has not yet spread; and the errors as they are estimated.
 #[test]
 fn doubles_agree_with_twice_the_precision() {
-    let (mut covered, mut worst, mut compared) = (Covered::default(), 0.0_f64, 0);
-    for seed in 0..some(150) as u64 {
-        let (plain, exact) = (ran::<f64>(seed, 9.0), ran::<Twofold>(seed, 9.0));
-        let mut errors = Errors::default();
-        let few = plain.impacts.len().min(exact.impacts.len()).min(6);
-        let first = [rows(&plain.impacts[..few]), rows(&exact.impacts[..few])];
-        worst = worst.max(furthest(&first[0], &first[1]));
-        compared += few;
-        let (system, start, force) = scene::<f64>(seed);
-        match force {
-            None => {
-                simulate(&system, &start, &limits(9.0), None, &mut errors).unwrap();
-            }
-            Some(force) => {
-                let driven = system.under(force, POINTS[1]).unwrap();
-                simulate(&driven, &start, &limits(9.0), None, &mut errors).unwrap();
-            }
-        }
-        covered.count(&plain.impacts, &exact.impacts, &errors);
-    }
-    assert!(worst < 1e-12 && compared > some(600), "{worst:e} {compared}");
-    covered.holds(some(1300));
+    let compared = composed::doubles_agree::<BesideAbsorbers>(some(150), some(1300));
+    assert!(compared > some(600), "{compared}");
 }
 
 /// A stop at a node, with a spring, or beyond which the structure begins is refused.
