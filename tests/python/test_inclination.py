@@ -349,7 +349,8 @@ def test_bad_values_are_named(fields: dict[str, float], pieces: tuple[str, ...])
 @pytest.mark.parametrize("upright", [{"inclination": math.pi / 2}, {"inclination_deg": 90.0}])
 def test_a_pendulum_hangs_still_on_an_upright_motion(upright: dict[str, float]) -> None:
     """Closed form: all of its mass moves with the structure, x = cos(t / √(1 + μ))."""
-    damper = iva.Piva(**(PLAIN | {"frequency_ratio": 0.4, "length": 3.0} | upright))
+    given: Any = PLAIN | {"frequency_ratio": 0.4, "length": 3.0} | upright
+    damper = iva.Piva(**given)
     start = iva.Start(displacement=1.0)
     run = iva.simulate(damper, iva.Primary(damping_ratio=0.0), start=start, duration=20.0)
     assert (run.summary["impacts"][0], run.summary["episodes"][0]) == (0, 0)
