@@ -75,10 +75,13 @@ class Structure:
         as the base moves by 1.
     absorber_at : str or sequence of str, optional
         The point at which the absorber rides, or those of all absorbers of a list; needed where
-        there are several points.
+        there are several points. ``"absorber.0"`` is the mass of the first absorber of the list, if
+        it is a free mass without units: a stop that stands there stops that mass, and absorbers
+        after it in the list may ride on it.
     force_at : str or sequence of str, optional
         The point at which forces act, or those of all forces of a list in their order; by default
-        that of the first absorber. Records and impulses have one point together.
+        that of the first absorber. Records and impulses have one point together. A force at
+        ``"absorber.0"`` acts on the mass of the first absorber of the list itself.
     seen_at : str, optional
         The point that runs see; by default that of the first absorber, also of a run without.
     seen_mode : int, optional

@@ -121,6 +121,14 @@ pub trait Absorber: ImpactLaw {
     fn freed(&self, state: &Self::State) -> Self::State {
         *state
     }
+    /// The absorber whose impact comes first, where those of all that touch their walls would gain energy as one event; `None` where they are one.
+    fn strikes_first(&self, _state: &Self::State) -> Option<usize> {
+        None
+    }
+    /// The size of the velocities of the structure at the point of the absorber at hand.
+    fn speeds(&self, _state: &Self::State) -> Self::Real {
+        Self::Real::ZERO
+    }
     /// True if it is proved that no other absorber meets a wall, or leaves one, in a time in which the one at hand
     /// chatters.
     fn others_wait(&self, _state: &Self::State, _time: Self::Real) -> bool {

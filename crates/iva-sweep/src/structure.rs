@@ -130,21 +130,30 @@ impl Structure {
                 _ => Err(form(name, &Entry::Names(names), "the name of a point")),
             })
         };
-        let seen_at = named("seen_at")?;
+        let mut seen_at = named("seen_at")?;
         let seen_mode = read.mode("seen_mode", n)?;
         let natural_mode = read.mode("natural_mode", n)?.unwrap_or(0);
-        let absorbers_at = read.names("absorber_at")?.unwrap_or_default();
-        let forces_at = read.names("force_at")?.unwrap_or_default();
+        let named = |name: &mut String| {
+            if name == "absorber" && points.iter().all(|(it, _)| it != name) {
+                "absorber.0".clone_into(name);
+            }
+        };
+        let [mut absorbers_at, mut forces_at] =
+            [read.names("absorber_at")?, read.names("force_at")?].map(Option::unwrap_or_default);
+        absorbers_at.iter_mut().chain(&mut forces_at).chain(&mut seen_at).for_each(named);
         let all = [
             ("force_at", &forces_at[..]),
             ("seen_at", seen_at.as_slice()),
             ("absorber_at", &absorbers_at[..]),
         ];
         for (field, given) in all {
-            let unknown = given.iter().find(|name| points.iter().all(|(it, _)| it != *name));
-            if let Some(name) = unknown {
+            let known = |name: &String| points.iter().any(|(it, _)| it == name);
+            if let Some(name) = given.iter().find(|name| !known(name) && body(name).is_none()) {
                 let all: Vec<&str> = points.iter().map(|(name, _)| name.as_str()).collect();
-                let rule = format!("give one of the points {}", all.join(", "));
+                let rule = format!(
+                    "give one of the points {}, or absorber.0 for the mass of the first absorber",
+                    all.join(", ")
+                );
                 return Err(Invalid::new(path(field), format!("\"{name}\""), rule));
             }
         }
@@ -192,6 +201,16 @@ impl Structure {
     /// As [`Structure::new`], which has made them once.
     pub fn in_si(&self) -> Result<ModalStructure, Invalid> {
         self.modes(1.0)
+    }
+
+    /// The numbers of the absorbers whose masses are points, at which others ride, forces act or that runs see.
+    pub(crate) fn bodies(&self) -> Vec<usize> {
+        let all = self.absorbers_at.iter().chain(&self.forces_at).chain(&self.seen_at);
+        let others = all.filter(|name| self.points().all(|it| it != **name));
+        let mut bodies: Vec<usize> = others.filter_map(|name| body(name)).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies
     }
 
     /// Names of its points.
@@ -298,9 +317,13 @@ impl Structure {
         Ok(first)
     }
 
-    /// The index of a point.
+    /// The index of a point. Masses of absorbers come after the points of the structure.
     pub(crate) fn index_of(&self, point: &str) -> usize {
-        self.points().position(|name| name == point).unwrap_or_default()
+        let of_mass = || {
+            let rank = self.bodies().iter().position(|it| Some(*it) == body(point));
+            rank.map_or(0, |rank| self.points.len() + rank)
+        };
+        self.points().position(|name| name == point).unwrap_or_else(of_mass)
     }
 
     /// The structure of the core, with 1/`omega` (in s) as the unit of time.
@@ -378,6 +401,11 @@ impl Structure {
         }
         Ok(begun)
     }
+}
+
+/// The number of the absorber whose mass has this name, as a point.
+fn body(name: &str) -> Option<usize> {
+    name.strip_prefix("absorber.")?.parse().ok()
 }
 
 /// The path of an entry.

@@ -158,6 +158,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     swings: bool,
     /// G along the line of motion of each mass.
     gravity: [H::Real; N],
+    /// The same with the weight of what rides on a body, per mass of that.
+    weights: [H::Real; N],
     /// The deceleration R of each mass that slides, by friction.
     friction: [H::Real; N],
     /// The largest deceleration Rₛ ≥ R that friction gives each mass at rest.
@@ -245,6 +247,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             pendulums: [None; N],
             swings: false,
             gravity: [R::ZERO; N],
+            weights: [R::ZERO; N],
             friction: [R::ZERO; N],
             static_friction: [R::ZERO; N],
             sets: Sets::new(),
@@ -315,6 +318,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             pendulums: self.pendulums,
             swings: self.swings,
             gravity: self.gravity,
+            weights: self.weights,
             friction: self.friction,
             static_friction: self.static_friction,
             sets: Sets::new(),
@@ -354,6 +358,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// The system with what follows from its parts.
     fn completed(mut self) -> Self {
         self.number_stops();
+        self.weights = self.weighed();
         let all = 0..self.count();
         let of = |k: usize| all.clone().map(move |l| (k, l));
         let mobilities = all.clone().flat_map(of);

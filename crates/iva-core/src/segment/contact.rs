@@ -36,8 +36,9 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
     let jet = flight.first();
     let fourth = flight.fourth();
     let size = flight.magnitude();
-    // A flight that starts at a wall has rounding errors in proportion to its own height over that wall.
-    let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
+    // A flight that starts at a wall, or close to it, has rounding errors in proportion to its own height over that wall.
+    let close = jet.value.abs() <= flight.near();
+    let height = if close { size.min(highest(&jet, fourth, length)) } else { size };
     let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
     let far = searched(flight, (half_play * 2.0, -R::ONE), fourth, size);
     let a = Node { h: R::ZERO, jet };

@@ -41,6 +41,10 @@ pub trait Curve {
     fn fourth(&self) -> Self::Real;
     /// The size of the terms of f: rounding errors of f are some 2⁻⁵³ of it.
     fn magnitude(&self) -> Self::Real;
+    /// Up to which value f is known at the begin to its own last digits, 0 included: its rounding errors are in proportion to how far it goes from there.
+    fn near(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
     /// True if a bound tells at once that f is positive on [0, reach].
     fn stays_positive(&self) -> bool {
         false

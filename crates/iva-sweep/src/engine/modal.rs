@@ -44,16 +44,34 @@ pub(super) fn scene<R: Real>(
 ) -> Result<Scene<R>, Invalid> {
     fits(given)?;
     let omega = structure.natural_frequency();
-    let (modes, seen) = structure.seen_of(structure.modes::<R>(omega)?)?;
+    let mut modes = structure.modes::<R>(omega)?;
     let absorbers = given.spec.count();
     let at = |absorber| structure.absorber_at(absorber, absorbers);
-    let riding = Riding::all(given, scale, UnitSystem::Si, at)?;
+    let mut riding = Riding::all(given, scale, UnitSystem::Si, at)?;
+    let primary = [start.displacement, start.velocity];
+    let begin = structure.begin(&modes, primary, omega)?;
+    for body in structure.bodies() {
+        let name = format!("absorber.{body}");
+        let owners = given.spec.owners().enumerate().filter(|(_, owner)| *owner == body);
+        let units: Vec<usize> = owners.map(|(unit, _)| unit).collect();
+        let is_mass = body < absorbers && given.of(body).choices().kind == Kind::Siva;
+        let [unit] = units.as_slice() else {
+            let rule = "a point is the mass of one absorber of the list, without units";
+            return Err(Invalid::new(path("absorber_at"), format!("\"{name}\""), rule));
+        };
+        if !is_mass {
+            let rule = "a point of the structure is the mass of a free mass (kind \"siva\")";
+            return Err(Invalid::new(path("absorber_at"), format!("\"{name}\""), rule));
+        }
+        modes = modes.with_body(&name, riding.masses[*unit].0.mass_ratio())?;
+        riding.bodies.resize(riding.masses.len(), None);
+        riding.bodies[*unit] = Some(name);
+    }
+    let (modes, seen) = structure.seen_of(modes)?;
     if let Some(mode) = structure.seen_mode().filter(|_| force.impulses().next().is_some()) {
         let rule = "with impulses a run sees all of the motion of its point; leave it out";
         return Err(Invalid::new(path("seen_mode"), mode.to_string(), rule));
     }
-    let primary = [start.displacement, start.velocity];
-    let begin = structure.begin(&modes, primary, omega)?;
     let pushed = structure.pushed(given.spec.forces())?;
     mounted(given, modes, riding, begin, [&seen, pushed], force)
 }
@@ -125,6 +143,8 @@ struct Riding<'a, R> {
     ties: Vec<Tie<R>>,
     pendulums: Vec<Option<Parameters<R>>>,
     rising: Vec<DoubleDouble<R>>,
+    /// Names of the masses that are points of the structure; empty if there are none.
+    bodies: Vec<Option<String>>,
     along: Vec<R>,
     friction: Vec<R>,
     static_friction: Vec<R>,
@@ -140,6 +160,7 @@ impl<'a, R: Real> Riding<'a, R> {
             ties: vec![],
             pendulums: vec![],
             rising: vec![],
+            bodies: vec![],
             along: vec![],
             friction: vec![],
             static_friction: vec![],
@@ -202,7 +223,8 @@ fn mounted<R: Real>(
 ) -> Result<Scene<R>, Invalid> {
     let tied = riding.ties.iter().filter(|tie| **tie != Tie::NONE).count();
     let stops = riding.masses.iter().filter(|(mass, _)| mass.mass_ratio() == 0.0).count();
-    let few = riding.masses.len() <= FEW && modes.count() + tied + stops <= FEW;
+    let bodies = riding.bodies.iter().flatten().count();
+    let few = riding.masses.len() <= FEW && modes.count() + tied + stops + bodies <= FEW;
     if R::FAST_PATHS && (few || !EVERY_SCENE) {
         let few = with_room(given, modes, riding, begin, points, force)?;
         return Ok(Scene::FewModes(Box::new(few)));
@@ -219,12 +241,17 @@ fn with_room<R: Real, const N: usize, const M: usize>(
     [seen, pushed]: [&str; 2],
     force: Force<R>,
 ) -> Result<Mounted<Modal<DrivenHost<R>, N, M>>, Invalid> {
-    let Riding { masses, gaps, ties, pendulums, rising, .. } = riding;
+    let Riding { masses, gaps, ties, pendulums, rising, bodies, .. } = riding;
     let Riding { along, friction, static_friction, gravity, .. } = riding;
     let unused = GapPoint { y: R::ZERO, w: R::ZERO };
     let gaps = std::array::from_fn(|k| gaps.get(k).copied().unwrap_or(unused));
     let start = ModalStart::new(&displacements, &velocities, gaps)?;
-    let system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
+    let mut system = Modal::with_room(modes, &masses)?.seen_at(seen)?;
+    if !bodies.is_empty() {
+        let names: Vec<Option<&str>> = bodies.iter().map(Option::as_deref).collect();
+        let misplaced = |error| Invalid { field: path("absorber_at"), ..error };
+        system = system.with_bodies(&names).map_err(misplaced)?;
+    }
     let system = system.with_pendulums(&pendulums).and_then(|it| it.with_rising_pivots(&rising));
     let system = system.map_err(|error| several::of_unit(given, error))?;
     let system = system.with_ties(&ties)?.with_gravity(&along)?.with_friction(&friction)?;

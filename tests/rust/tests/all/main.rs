@@ -7,6 +7,7 @@ mod alone;
 mod arcs;
 mod attractors;
 mod basins;
+mod bodies;
 mod bouncing_ball;
 mod branches;
 mod broken_law;

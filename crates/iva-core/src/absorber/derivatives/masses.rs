@@ -82,23 +82,24 @@ impl LinearStructure {
     /// The derivative of all variables with respect to q, q̇, y and ẏ at the begin, of which coordinates that are masses follow.
     pub(in crate::absorber) fn begin(&self) -> DMatrix<f64> {
         let mut begin = DMatrix::identity(self.variables(), self.variables());
+        // Those of a body come before those of what rides on it.
         for (mass, coordinate) in &self.as_coordinates {
             let shape = &self.shapes[*mass];
             let root = -1.0 / shape[*coordinate];
             for (row, gap) in [0, self.coordinates()].into_iter().zip(self.of(*mass)) {
-                let follows = row + coordinate;
-                for (j, phi) in shape.iter().enumerate() {
-                    begin[(follows, row + j)] = if j == *coordinate { 0.0 } else { root * phi };
-                }
-                begin[(follows, gap)] = root;
+                let of_gap = begin.row(gap) * root;
+                let others = shape.iter().enumerate().filter(|(j, _)| j != coordinate);
+                let follows =
+                    others.fold(of_gap, |sum, (j, phi)| sum + begin.row(row + j) * (root * phi));
+                begin.set_row(row + coordinate, &follows);
             }
         }
         for stop in &self.stops {
             for (column, gap) in [0, self.coordinates()].into_iter().zip(self.of(*stop)) {
-                begin[(gap, gap)] = 0.0;
-                for (j, phi) in self.shapes[*stop].iter().enumerate() {
-                    begin[(gap, column + j)] = -phi;
-                }
+                let shape = self.shapes[*stop].iter().enumerate();
+                let none = begin.row(gap) * 0.0;
+                let follows = shape.fold(none, |sum, (j, phi)| sum - begin.row(column + j) * *phi);
+                begin.set_row(gap, &follows);
             }
         }
         begin

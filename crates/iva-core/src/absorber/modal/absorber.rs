@@ -1,6 +1,6 @@
 //! Several masses on a structure with modes, as the event loop asks for them.
 
-use super::state::Place;
+use super::state::{Modes, Place};
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
 use crate::absorber::impact::{self, Impact};
@@ -135,6 +135,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             impulse * both.sqrt()
         };
         self.others_stay(state, time, kicked, self.whole.growth() * 2.0)
+    }
+
+    /// That of all its energy in the motion of the gap.
+    fn speeds(&self, state: &Self::State) -> R {
+        let Modes { places, velocities } = &state.modes;
+        let of = |j: usize| {
+            let (q, v) = (places[j].value, velocities[j].value);
+            self.whole.stiffness[j].value.mul_add(q * q, v * v)
+        };
+        let energy = (0..self.whole.count()).fold(R::ZERO, |sum, j| sum + of(j));
+        let k = self.index(state.at_hand.into());
+        (energy * self.mobility(k, k).value).sqrt()
+    }
+
+    fn strikes_first(&self, state: &Self::State) -> Option<usize> {
+        self.first_struck(state)
     }
 
     fn clearance(&self) -> R {

@@ -190,8 +190,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             for (force, phi) in force.iter_mut().zip(shape) {
                 *force = *force - pull * T::from_real(*phi);
             }
-            if let Some(stop) = self.grounded(k) {
-                force[stop.coordinate] = load;
+            if let Some((row, a)) = self.pressed(k, pull, T::of(stuck.inverse[0])) {
+                force[row] = a;
             }
             return;
         }
@@ -208,8 +208,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             for (force, phi) in force.iter_mut().zip(self.gap_shape(*k)) {
                 *force = *force - pull * T::from_real(*phi);
             }
-            if let Some(stop) = self.grounded(*k) {
-                force[stop.coordinate] = pull / T::of(stuck.inverse[i * (count + 1)]);
+            if let Some((row, a)) = self.pressed(*k, pull, T::of(stuck.inverse[i * (count + 1)])) {
+                force[row] = a;
             }
         }
     }

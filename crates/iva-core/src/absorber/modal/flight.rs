@@ -1,6 +1,7 @@
 //! What the event loop, searches and observers ask of a motion.
 
 use super::losses::{at_nodes, mean};
+use super::motion::NEAR;
 use super::{ModalMotion, ModalState, Place, wall_of};
 use crate::absorber::{Absorber as _, OnStructure, Wall};
 use crate::host::Host;
@@ -297,6 +298,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Curve
     fn fourth(&self) -> R {
         let (_, begin) = self.begun();
         self.fourth_of(if begin.carried() { 5 } else { 3 })
+    }
+
+    fn near(&self) -> R {
+        let by_series = self.system.count() > 0 && self.oscillation().is_none();
+        if by_series { self.system.masses[self.at_hand()].clearance * NEAR } else { R::ZERO }
     }
 
     fn magnitude(&self) -> R {

@@ -88,13 +88,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if place.carried() { R::ZERO } else { place.sliding * self.friction[k] }
     }
 
-    /// G of a mass, and s R of one that slides. Weight and friction of a pendulum are part of its swing.
+    /// G of a mass, of a body with the weight of what rides on it, and s R of one that slides. Weight and friction of a pendulum are part of its swing.
     #[inline(always)]
     pub(super) fn pull(&self, k: usize, place: &Place<R>) -> DoubleDouble<R> {
         if self.hanging(k).is_some() {
             return DoubleDouble::ZERO;
         }
-        DoubleDouble::new(self.gravity[k]).plus(self.rubbing(k, place))
+        DoubleDouble::new(self.weights[k]).plus(self.rubbing(k, place))
     }
 
     /// Up to which acceleration in its gap friction holds a member at rest in a place: Rₛ, or c Rₛ.

@@ -15,6 +15,7 @@
 //! by the rule for the inverse of a matrix without one row. The power series of ∬A is kept beside those of the modes, as if the stop were a coordinate.
 
 use super::regime::Stuck;
+use super::series::Term;
 use super::state::Place;
 use super::ties::{Tie, Tied};
 use super::{Followed, Modal};
@@ -28,7 +29,8 @@ impl<R: Real> Tied<R> {
     /// A stop on the ground at a point of this shape.
     pub(super) fn on_ground(of_point: &[R]) -> Self {
         let shape = of_point.iter().map(|phi| -*phi).collect();
-        Self { tie: Tie::NONE, shape, coordinate: 0, root: R::ZERO, grounded: true }
+        let (tie, root) = (Tie::NONE, R::ZERO);
+        Self { tie, shape, coordinate: 0, root, grounded: true, row: Some(0) }
     }
 }
 
@@ -44,22 +46,30 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.tied[k].as_ref().filter(|tied| tied.grounded)
     }
 
-    /// Number of coordinates, and of stops on the ground behind them, each with the series of its ∬A.
+    /// Number of coordinates, and of stops on the ground and bodies behind them, each with the series of its ∬A.
     pub(super) fn rows(&self) -> usize {
-        self.whole.count() + self.masses().iter().filter(|it| it.mass_ratio == 0.0).count()
+        self.whole.count() + self.tied.iter().flatten().filter(|it| it.row.is_some()).count()
     }
 
-    /// The row of a stop that a point is stuck to.
+    /// The row of a stop that a point is stuck to, or of a body that is carried, and its mass.
     #[inline(always)]
     pub(super) fn pressed_row(&self, k: usize, place: &Place<R>) -> Option<usize> {
-        if place.stuck { self.grounded(k).map(|tied| tied.coordinate) } else { None }
+        if place.carried() { self.tied[k].as_ref()?.row } else { None }
     }
 
-    /// Gives each stop its row.
+    /// Gives each stop and body its row.
     pub(super) fn number_stops(&mut self) {
         let first = self.whole.count();
-        let stops = self.tied.iter_mut().flatten().filter(|tied| tied.grounded);
-        stops.enumerate().for_each(|(rank, stop)| stop.coordinate = first + rank);
+        let rows = self.tied.iter_mut().flatten().filter_map(|tied| tied.row.as_mut());
+        rows.enumerate().for_each(|(rank, row)| *row = first + rank);
+    }
+
+    /// The row of a carried member and the A there, where its contact pulls at its point so, and would without the others: of a stop what the point would do without it, of a body the pull per mass.
+    #[inline(always)]
+    pub(super) fn pressed<T: Term<R>>(&self, k: usize, pull: T, own: T) -> Option<(usize, T)> {
+        let tied = self.tied[k].as_ref()?;
+        let over = if tied.grounded { own } else { T::from_real(self.masses[k].mass_ratio) };
+        Some((tied.row?, pull / over))
     }
 
     /// Checks that stops stand where something moves, and that there is room for their rows.
@@ -109,20 +119,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             own * self.whole.growth() * 3.0 + driven + (part + alone) * base + asides
         };
         let loads = stuck.masses.iter().map(|l| load(*l));
+        let over = if self.on_ground(k) { None } else { Some(self.masses[k].mass_ratio) };
         stuck
-            .shares(k)
+            .shares(k, over)
             .zip(loads)
             .fold(R::ZERO, |sum, (share, load)| share.abs().mul_add(load, sum))
     }
 }
 
 impl<R: Real> Stuck<R> {
-    /// Sₖₗ/Sₖₖ of a member k of the set, for all l.
-    fn shares(&self, k: usize) -> impl Iterator<Item = R> {
+    /// Sₖₗ over Sₖₖ or a mass, of a member k of the set, for all l.
+    fn shares(&self, k: usize, mass: Option<R>) -> impl Iterator<Item = R> {
         let count = self.masses.len();
         let at = self.masses.iter().position(|l| *l == k).unwrap_or(0);
         let row = &self.inverse[at * count..(at + 1) * count];
-        let own = row[at].value;
+        let own = mass.unwrap_or(row[at].value);
         row.iter().map(move |element| element.value / own)
     }
 }

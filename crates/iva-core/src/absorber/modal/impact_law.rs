@@ -21,8 +21,8 @@
 //! On a structure of one mode the velocity gained has one sign, whatever is carried, and so decides for each at once.
 //!
 //! Newton's law holds for each mass of I. If another impact at the very same instant throws the wall of a slow one away
-//! faster than it returns, its impulse may pull, as for several masses on one mode; with unlike e such an instant may
-//! even gain energy. Impacts at one instant of masses at different points are a set of measure zero but for symmetric
+//! faster than it returns, its impulse may pull, as for several masses on one mode. With unlike e such an instant could
+//! even gain energy: then the fastest has its impact alone, and the others next, so that masses that chatter on each other come to rest. Impacts at one instant of masses at different points are a set of measure zero but for symmetric
 //! scenes. Masses in flight keep their velocity; that of their approach to walls changes by what the structure gains, and the event
 //! loop looks at each after the event. A mass that would be left behind for less than rounding of the clock is carried.
 
@@ -61,6 +61,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let strikes = k < self.count() && !stuck && distance.value == 0.0 && rate.value < 0.0;
             strikes.then(|| self.masses[k].law_for(side, -rate.value).restitution)
         })
+    }
+
+    /// The fastest of those that have an impact, where all impacts together would gain energy.
+    pub(super) fn first_struck(&self, state: &ModalState<H, N, M>) -> Option<usize> {
+        let struck = self.struck(state);
+        let mut each = struck.iter().flatten();
+        let first = each.next()?;
+        if each.all(|e| e == first) {
+            return None;
+        }
+        let blow = self.blow(state, &struck, &[DoubleDouble::ZERO; N], R::ZERO);
+        let all = || (0..self.count()).filter_map(|k| Some((k, struck[k]?)));
+        let lost = |(k, e): (usize, R)| self.lost(k, &state.places[k], e, &blow.impulses);
+        if all().map(lost).fold(R::ZERO, |sum, lost| sum + lost) >= 0.0 {
+            return None;
+        }
+        let speed = |k: usize| -state.places[k].rate.value;
+        all().map(|(k, _)| k).reduce(|a, b| if speed(b) > speed(a) { b } else { a })
     }
 
     /// The impulses where some masses have an impact with a restitution each, and the points of all masses gain these
@@ -262,7 +280,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             let (none, seen) = ([R::ZERO; 2], self.primary(state));
             return (*state, Impact::of_free_mass(none, time, Wall::Plus, seen, R::ZERO));
         }
-        let struck = self.struck(state);
+        let mut struck = self.struck(state);
+        if let Some(first) = self.first_struck(state) {
+            struck = std::array::from_fn(|k| struck[k].filter(|_| k == first));
+        }
         let blow = self.blow(state, &struck, &[DoubleDouble::ZERO; N], time);
         let mut after = *state;
         self.give(&mut after, &blow, None);

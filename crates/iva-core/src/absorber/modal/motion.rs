@@ -17,7 +17,7 @@ use crate::segment::flight::Jet;
 use crate::segment::taylor::{ORDER, ROOM, Row, horner};
 
 /// A mass this close to the wall that it left, in clearances, is followed by the series of its own distance.
-const NEAR: f64 = 1e-6;
+pub(super) const NEAR: f64 = 1e-6;
 
 /// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
 /// pressure on that wall while it is stuck.
@@ -199,6 +199,10 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
         }
         if let Some(it) = self.oscillation() {
             return it.bound(2);
+        }
+        if self.system.pressed_row(k, &self.from.places[k]).is_some() {
+            let stuck = &self.regime.stuck;
+            return self.system.bound_of_load(k, stuck, self.derivatives(1), 2, self.reach);
         }
         let followed = self.system.followed(k, &self.from.places[k]);
         self.system.bound(self.derivatives(2), &self.regime.stuck, followed, 2, self.reach)

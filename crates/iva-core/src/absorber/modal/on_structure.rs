@@ -50,9 +50,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
             sum += (stiffness.value * (q * q) + v * v) * 0.5;
         }
         for (k, (mass, gap)) in self.masses().iter().zip(self.each_gap(state)).enumerate() {
-            if self.gravity[k] != 0.0 {
+            if self.weights[k] != 0.0 {
                 let height = mass.clearance + (gap.y - mass.offset);
-                sum += mass.mass_ratio * self.gravity[k] * height;
+                sum += mass.mass_ratio * self.weights[k] * height;
             }
             if let Some(tied) = &self.tied[k] {
                 // It moves as a coordinate does.

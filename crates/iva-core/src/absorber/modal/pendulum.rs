@@ -143,6 +143,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// [`Invalid`] for an angle out of 0 to π/2, for a pendulum of small angles, and for numbers that are not as many as members. Those of masses, and of stops, have no effect.
     pub fn with_rising_pivots(mut self, angles: &[DoubleDouble<R>]) -> Result<Self, Invalid> {
         same("absorber.inclination", angles.len(), self.count())?;
+        let bodies = || self.tied.iter().flatten().filter(|it| it.row.is_some());
+        let on_bodies: Vec<bool> =
+            (0..self.count()).map(|k| bodies().any(|body| self.rides_on(k, body))).collect();
         for (k, (own, angle)) in self.pendulums.iter_mut().zip(angles).enumerate() {
             let Some(Hanging { pendulum, .. }) = own else { continue };
             let wrong =
@@ -152,6 +155,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             let upright = from_upright.abs() <= R::EPSILON * 4.0;
             if !(angle.value >= 0.0 && (upright || from_upright > 0.0)) {
                 return Err(wrong("give an angle from 0 (level) to π/2 (upright)"));
+            }
+            if angle.value != 0.0 && on_bodies[k] {
+                return Err(wrong("a pendulum that hangs from another absorber moves level"));
             }
             if angle.value != 0.0 && pendulum.small_angles {
                 return Err(wrong("give angles = \"large\" with it"));

@@ -116,6 +116,27 @@ impl<R: Real> ModalStructure<R> {
         Ok(self)
     }
 
+    /// The same structure with a body of this mass beside it that nothing holds, as a coordinate √m x of frequency 0 and as a point of this name. It may be one of the members
+    /// ([`super::Modal::with_bodies`]), and others may ride on it.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a mass out of [`crate::range`], for more than [`MOST_MODES`] coordinates, and if the name is taken.
+    pub fn with_body(&self, name: &str, mass: R) -> Result<Self, Invalid> {
+        range::mass_ratio(&format!("structure.points.{name}"), mass)?;
+        let count = self.count() + 1;
+        counted("structure.frequencies", count)?;
+        let damping = match &self.damping {
+            Damping::Separate(rates) => {
+                Damping::Separate([rates.as_slice(), &[DoubleDouble::ZERO]].concat())
+            }
+            Damping::Full(_) => Damping::Full(self.extended_damping(count)),
+        };
+        let root = mass.sqrt();
+        let mut shape = vec![R::ZERO; count];
+        shape[count - 1] = R::ONE / root;
+        self.extended(damping, &[root]).with_point(name, &shape)
+    }
+
     /// Number of modes.
     pub fn count(&self) -> usize {
         self.stiffness.len()
@@ -197,11 +218,11 @@ impl<R: Real> ModalStructure<R> {
 
     /// The same structure with further coordinates of frequency 0, which take part in the motion of its base as told, and this
     /// damping matrix of all.
-    pub(super) fn extended(&self, damping: Vec<R>, participation: &[R]) -> Self {
+    pub(super) fn extended(&self, damping: Damping<R>, participation: &[R]) -> Self {
         let mut wider = self.clone();
         let count = self.count() + participation.len();
         wider.stiffness.resize(count, DoubleDouble::ZERO);
-        wider.damping = Damping::Full(damping);
+        wider.damping = damping;
         wider.points.iter_mut().for_each(|(_, shape)| shape.resize(count, R::ZERO));
         if let Some(all) = &mut wider.participation {
             all.extend_from_slice(participation);

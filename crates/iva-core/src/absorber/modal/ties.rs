@@ -1,4 +1,4 @@
-//! Masses tied to their points by a spring or a dashpot: coordinates of the structure.
+//! Masses tied to their points by a spring or a dashpot, and those on which others ride: coordinates of the structure.
 //!
 //! A spring and a dashpot pull at a mass and at its point with k y + c ẏ; the spring is slack at y = 0, wherever the walls are. A mass that has one is a coordinate p = √μ x₁ of the
 //! structure, of frequency 0, so that the gap displacement y = x₁ − u is a motion of the structure alone:
@@ -10,11 +10,14 @@
 //! Its inertia is in the coordinate p already. So the formulas of masses without ties hold with this shape of the gap in place of φ, and with 0 in place of
 //! 1/μ in the impact law and while it is stuck, or else it would be counted twice; gravity and the motion of the base reach it by the coordinate p. Stuck to a wall it
 //! presses on that as any other mass does, less what the spring pulls: the dashpot is at rest.
+//!
+//! A **body** is a mass that is a point of the structure as well ([`Modal::with_bodies`]), at which forces act, other members ride or a stop stands. What its wall or friction
+//! carries is then not told by the acceleration of its point, but is the load of that contact over its mass, which is kept beside the series of the modes as that of a stop on the ground is.
 
 use std::sync::Arc;
 
 use super::Modal;
-use super::structure::ModalStructure;
+use super::structure::{Damping, ModalStructure};
 use crate::error::{Invalid, number};
 use crate::host::{Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
@@ -36,12 +39,14 @@ pub(super) struct Tied<R> {
     pub tie: Tie<R>,
     /// φ of the gap.
     pub shape: Vec<R>,
-    /// The index of p; of a stop on the ground that of its series behind those of all coordinates.
+    /// The index of p; 0 of a stop on the ground.
     pub coordinate: usize,
     /// √μ: how the base takes part in p.
     pub root: R,
     /// True of a stop on the ground (`modal/ground.rs`), which has neither mass nor coordinate.
     pub grounded: bool,
+    /// The row of what the contact of a stop on the ground or of a body carries, behind those of all coordinates; `None` of other members.
+    pub row: Option<usize>,
 }
 
 impl<R: Real> Tie<R> {
@@ -89,7 +94,8 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             let tie = number(ties[*k].spring.double());
             return Err(Invalid::new(format!("absorber.{k}.spring"), tie, rule));
         }
-        let count = own + coupled.len();
+        let new: Vec<usize> = coupled.iter().copied().filter(|k| self.tied[*k].is_none()).collect();
+        let count = own + new.len();
         if count > M {
             let rule = format!("modes and masses with a spring or dashpot are {M} at most");
             return Err(Invalid::new("absorber.spring", number(count as f64), rule));
@@ -98,22 +104,61 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             return Ok(self);
         }
         let mut all = self.tied.clone();
-        for stop in all.iter_mut().flatten() {
-            stop.shape.resize(count, R::ZERO);
+        for (k, known) in all.iter_mut().enumerate() {
+            let Some(known) = known else { continue };
+            known.shape.resize(count, R::ZERO);
+            known.tie = ties[k];
         }
-        for (index, &k) in coupled.iter().enumerate() {
+        for (index, &k) in new.iter().enumerate() {
             let root = self.masses[k].mass_ratio.sqrt();
             let coordinate = own + index;
             let mut shape = self.whole.shape(self.at[k]).to_vec();
             shape.resize(count, R::ZERO);
             shape[coordinate] = -(R::ONE / root);
-            let grounded = false;
-            all[k] = Some(Tied { tie: ties[k], shape, coordinate, root, grounded });
+            let (grounded, row) = (false, None);
+            all[k] = Some(Tied { tie: ties[k], shape, coordinate, root, grounded, row });
         }
-        let of_all: Vec<&Tied<R>> = all.iter().flatten().filter(|it| !it.grounded).collect();
-        let whole = self.whole.with_masses(&of_all);
+        let of_all: Vec<&Tied<R>> = coupled.iter().filter_map(|k| all[*k].as_ref()).collect();
+        let roots: Vec<R> = new.iter().filter_map(|k| Some(all[*k].as_ref()?.root)).collect();
+        let whole = self.whole.with_masses(&of_all, &roots);
         let tied = Self { tied: all, whole: Arc::new(whole), ..self }.completed();
         tied.check_stops().map(|()| tied)
+    }
+}
+
+impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
+    /// The same members, of which some are the bodies of these names ([`ModalStructure::with_body`]). A body comes before what rides on it.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a name that no point has, for a point that is not a body of this mass or that the member rides on itself, and for names that are not as many as members.
+    pub fn with_bodies(mut self, names: &[Option<&str>]) -> Result<Self, Invalid> {
+        super::structure::same("absorber.point", names.len(), self.count())?;
+        for (k, name) in names.iter().enumerate() {
+            let Some(name) = name else { continue };
+            let field = format!("absorber.{k}.point");
+            let point = self.whole.point(&field, name)?;
+            let own = self.whole.shape(point);
+            let root = self.masses[k].mass_ratio.sqrt();
+            let coordinate = own.iter().position(|phi| *phi != 0.0).unwrap_or(0);
+            let alone = own.iter().filter(|phi| **phi != 0.0).count() == 1;
+            if self.on_ground(k) || !alone || own[coordinate] != R::ONE / root {
+                return Err(Invalid::new(
+                    field,
+                    *name,
+                    "give a body that has the mass of this member",
+                ));
+            }
+            if self.at[..=k].contains(&point) {
+                let rule = "a body comes before what rides on it, and rides on another point";
+                return Err(Invalid::new(field, *name, rule));
+            }
+            let both = self.shape(k).iter().zip(own);
+            let shape = both.map(|(at, own)| *at - *own).collect();
+            let (tie, grounded, row) = (Tie::NONE, false, Some(0));
+            self.tied[k] = Some(Tied { tie, shape, coordinate, root, grounded, row });
+        }
+        let system = self.completed();
+        system.check_stops().map(|()| system)
     }
 }
 
@@ -121,6 +166,27 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// Number of modes that are the structure's own.
     pub(super) fn own_modes(&self) -> usize {
         self.structure.count()
+    }
+
+    /// G of each member with the weight of what rides on it, per mass.
+    pub(super) fn weighed(&self) -> [R; N] {
+        let mut weights = self.gravity;
+        // What rides on a body comes after it.
+        for k in (0..self.count()).rev() {
+            let Some(body) = self.tied[k].as_ref().filter(|it| it.row.is_some()) else { continue };
+            let on = |l: &usize| self.rides_on(*l, body);
+            let riders = (k + 1..self.count()).filter(on);
+            let of = |sum: R, l: usize| self.masses[l].mass_ratio.mul_add(weights[l], sum);
+            let carried = riders.fold(R::ZERO, of);
+            weights[k] +=
+                if carried == 0.0 { carried } else { carried / self.masses[k].mass_ratio };
+        }
+        weights
+    }
+
+    /// True if a member rides on a body.
+    pub(super) fn rides_on(&self, l: usize, body: &Tied<R>) -> bool {
+        !body.grounded && self.shape(l)[body.coordinate] != 0.0
     }
 
     /// 1/μ, or 0 for a mass that is a coordinate of the structure.
@@ -149,9 +215,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 }
 
 impl<R: Real> ModalStructure<R> {
-    /// The structure of which these masses are coordinates.
-    fn with_masses(&self, tied: &[&Tied<R>]) -> Self {
-        let count = self.count() + tied.len();
+    /// The structure of which these masses are coordinates, some of them new.
+    fn with_masses(&self, tied: &[&Tied<R>], new: &[R]) -> Self {
+        let count = self.count() + new.len();
         let mut damping = self.extended_damping(count);
         for Tied { tie, shape, .. } in tied {
             for (i, a) in shape.iter().enumerate() {
@@ -160,8 +226,7 @@ impl<R: Real> ModalStructure<R> {
                 }
             }
         }
-        let masses: Vec<R> = tied.iter().map(|it| it.root).collect();
-        let mut wider = self.extended(damping, &masses);
+        let mut wider = self.extended(Damping::Full(damping), new);
         let springs = tied.iter().filter(|it| it.tie.spring != 0.0);
         wider.springs = springs.map(|it| (it.tie.spring, it.shape.clone())).collect();
         wider

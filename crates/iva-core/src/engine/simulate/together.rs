@@ -17,6 +17,9 @@ use crate::segment::contact::{Stretch, first_contact, first_release};
 use crate::segment::flight::{Curve, Motion, Side};
 use crate::segment::slide::{Ends, Slide, Slip};
 
+/// A rebound this slow, in units of 2⁻⁵² of the velocities of the structure, is none.
+const SLOWEST_ULPS: f64 = 4.0;
+
 /// What a run keeps of an absorber that is not at hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Waiting<R> {
@@ -297,8 +300,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// The impacts of all absorbers that touch their walls and approach them, and what follows.
     pub(super) fn strike_all(&mut self) {
         let mut before = self.tally.state;
+        let first = self.system.strikes_first(&before);
         for absorber in 0..self.system.absorbers() {
-            if self.strikes(absorber, &before) {
+            if self.strikes(absorber, &before) && first.is_none_or(|it| it == absorber) {
                 self.system.take_at_hand(&mut before, absorber);
                 self.strike_by(absorber, &before);
             }
@@ -371,11 +375,17 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// True if the whole tail of a chatter beside other absorbers, or with friction, is shorter than rounding of the clock. Such
-    /// chatters are computed one by one where another absorber is in the way of their sum, or a restitution whose change is not
-    /// bounded.
+    /// True if the whole tail of a chatter beside other absorbers, or with friction, is shorter than rounding of the clock, or beside others a rebound slower than rounding of the
+    /// velocities. Such chatters are computed one by one where another absorber is in the way of their sum, or a restitution whose change is not
+    /// bounded. Absorbers that chatter on each other, and with friction, have no sum.
     pub(super) fn has_ended(&self, rebound: &Rebound<R>) -> bool {
         let beside = self.system.absorbers() > 1 && rebound.is_short();
+        if self.system.absorbers() > 1 {
+            let speeds = self.system.speeds(&self.tally.state);
+            if rebound.speed <= speeds * (R::EPSILON * SLOWEST_ULPS) {
+                return true;
+            }
+        }
         let short = |tail: R| is_nothing(tail, self.progress.clock.value);
         match &rebound.back {
             Some(back) => short(back.longest(rebound)),
