@@ -93,7 +93,7 @@ fn a_stop_at_a_member_is_one_at_its_coordinate() {
     }
 }
 
-/// A mass that rides on another, which has a spring; one that rubs on that; and a stop on the ground or a pendulum beside them. A force acts on the first.
+/// A mass on a spring, on which one rides that rubs, on which a third rides; and a fourth beside them or on the first. A force acts on the first.
 struct Nested;
 
 impl Scenes for Nested {
