@@ -193,7 +193,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// By how much less a member accelerates away from its point than a free mass: β c γ of a pendulum.
     pub(super) fn follows(&self, k: usize, place: &Place<R>) -> R {
         self.hanging(k).map_or(R::ONE, |is| {
-            is.coupling * (self.cosine(k, is, place) * self.lean(k, is, place))
+            let y = self.gap_of_place(k, place).value;
+            let c = is.cosine(y);
+            is.coupling * (c * is.lean(y, c))
         })
     }
 
