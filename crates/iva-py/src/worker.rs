@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use iva_sweep::done::Done;
 use iva_sweep::dynamics::Tracker;
-use iva_sweep::sweep::SweepError;
+use iva_sweep::sweep::{STACK, SweepError};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -102,6 +102,7 @@ fn attended<T: Send + 'static, E: Send + 'static>(
     let theirs = Arc::clone(&shared);
     thread::Builder::new()
         .name("iva".to_owned())
+        .stack_size(STACK)
         .spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(|| work(&theirs)));
             // The receiver is gone if an interrupted caller has stopped waiting.

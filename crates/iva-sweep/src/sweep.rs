@@ -26,7 +26,7 @@ use crate::engine::rows::RunRow;
 use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in, write_summary};
-pub use crate::workers::{MAX_THREADS, Workers};
+pub use crate::workers::{MAX_THREADS, STACK, Workers};
 
 /// The tables of a range of points.
 pub type Tables = BTreeMap<Table, RecordBatch>;

@@ -65,12 +65,16 @@ impl Workers {
     }
 }
 
+/// The stack of a thread that runs scenes: those of 64 members in twice the precision have several copies of 100 kB on it while they are built.
+pub const STACK: usize = 16 << 20;
+
 /// The pool that was asked for last, and the process that started its threads: a forked one has none of them.
 static LAST: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// A pool of so many threads: the last one, if it fits, else a new one.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, SweepError> {
-    let start = || Ok(Arc::new(ThreadPoolBuilder::new().num_threads(threads).build()?));
+    let builder = || ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
+    let start = || Ok(Arc::new(builder().build()?));
     // A process forked while the lock was held would wait for it forever.
     let Ok(mut last) = LAST.try_lock() else { return start() };
     match &*last {

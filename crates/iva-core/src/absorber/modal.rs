@@ -152,8 +152,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     mobilities: Vec<DoubleDouble<H::Real>>,
     /// Of the masses that have a spring or a dashpot in their gap.
     tied: [Option<Tied<H::Real>>; N],
-    /// Of the members that are pendulums.
-    pendulums: [Option<Hanging<H::Real>>; N],
+    /// Of the members that are pendulums; empty without any, for a system is moved often while it is built.
+    pendulums: Vec<Option<Hanging<H::Real>>>,
     /// True if there are any.
     swings: bool,
     /// G along the line of motion of each mass.
@@ -244,7 +244,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
                 let (mass, _) = masses.get(k)?;
                 (mass.mass_ratio == 0.0).then(|| ties::Tied::on_ground(structure.shape(at[k])))
             }),
-            pendulums: [None; N],
+            pendulums: vec![],
             swings: false,
             gravity: [R::ZERO; N],
             weights: [R::ZERO; N],
@@ -315,7 +315,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             host,
             mobilities: vec![],
             tied: self.tied.clone(),
-            pendulums: self.pendulums,
+            pendulums: self.pendulums.clone(),
             swings: self.swings,
             gravity: self.gravity,
             weights: self.weights,
@@ -422,7 +422,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// G along the line of motion of a mass; `None` without such a mass.
     pub fn gravity_of(&self, mass: usize) -> Option<R> {
         let own = self.gravity[..self.count()].get(mass).copied();
-        own.filter(|_| self.pendulums[mass].is_none())
+        own.filter(|_| self.hanging(mass).is_none())
     }
 
     /// The masses.

@@ -48,6 +48,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         if pendulums.iter().all(Option::is_none) {
             return Ok(self);
         }
+        self.pendulums = vec![None; self.count()];
         for (k, parameters) in pendulums.iter().enumerate() {
             let Some(parameters) = parameters else { continue };
             let field = |name: &str| format!("absorber.{k}.{name}");
@@ -97,7 +98,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// The constants of a pendulum.
     #[inline(always)]
     pub(super) fn hanging(&self, k: usize) -> Option<&Pendulum<R>> {
-        self.pendulums[k].as_ref().map(|it| &it.pendulum)
+        self.pendulums.get(k)?.as_ref().map(|it| &it.pendulum)
     }
 
     /// The pendulums that swing while the members have these places.
