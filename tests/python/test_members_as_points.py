@@ -175,7 +175,7 @@ def test_an_absorber_rides_on_another() -> None:
 )
 def test_what_is_no_point_is_said(at: list[str], absorbers: list[str], told: str) -> None:
     mass: dict[str, Any] = {"mass": 0.5, "clearance": 0.7, "restitution": 0.6}
-    kinds = {
+    kinds: dict[str, iva.Siva | iva.Stop] = {
         "mass": iva.Siva(**mass),
         "units": iva.Siva(**mass, units=2),
         "stop": iva.Stop(clearance=2.0, restitution=0.5),
