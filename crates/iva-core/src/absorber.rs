@@ -125,6 +125,10 @@ pub trait Absorber: ImpactLaw {
     fn strikes_first(&self, _state: &Self::State) -> Option<usize> {
         None
     }
+    /// True if another absorber may meet its wall, or leave it, in a time in which the one at hand chatters.
+    fn others_meet(&self, _state: &Self::State, _time: Self::Real) -> bool {
+        false
+    }
     /// The size of the velocities of the structure at the point of the absorber at hand.
     fn speeds(&self, _state: &Self::State) -> Self::Real {
         Self::Real::ZERO

@@ -137,6 +137,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         self.others_stay(state, time, kicked, self.whole.growth() * 2.0)
     }
 
+    /// One in flight that is as near to a wall as the one at hand may throw it, or that its own speed takes it.
+    fn others_meet(&self, state: &Self::State, time: R) -> bool {
+        let (at_hand, _, place) = self.at_hand_of(state);
+        let kicked = place.rate.value.abs() * 2.0;
+        let meets = |k: &usize| {
+            let Place { distance, rate, stuck, held, .. } = state.places[*k];
+            let (near, gap) = (distance.value, self.masses[*k].half_play() * 2.0);
+            let travel = time * (rate.value.abs() + kicked);
+            *k != at_hand && !stuck && !held && !(near > travel && gap - near > travel)
+        };
+        (0..self.count()).any(|k| meets(&k))
+    }
+
     /// That of all its energy in the motion of the gap.
     fn speeds(&self, state: &Self::State) -> R {
         let Modes { places, velocities } = &state.modes;

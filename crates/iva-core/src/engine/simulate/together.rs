@@ -375,16 +375,16 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// True if the whole tail of a chatter beside other absorbers, or with friction, is shorter than rounding of the clock, or beside others a rebound slower than rounding of the
-    /// velocities. Such chatters are computed one by one where another absorber is in the way of their sum, or a restitution whose change is not
+    /// True if the whole tail of a chatter beside other absorbers, or with friction, is shorter than rounding of the clock, or beside another that may meet its wall meanwhile a
+    /// rebound slower than rounding of the velocities. Such chatters are computed one by one where another absorber is in the way of their sum, or a restitution whose change is not
     /// bounded. Absorbers that chatter on each other, and with friction, have no sum.
     pub(super) fn has_ended(&self, rebound: &Rebound<R>) -> bool {
         let beside = self.system.absorbers() > 1 && rebound.is_short();
-        if self.system.absorbers() > 1 {
-            let speeds = self.system.speeds(&self.tally.state);
-            if rebound.speed <= speeds * (R::EPSILON * SLOWEST_ULPS) {
-                return true;
-            }
+        let state = &self.tally.state;
+        let slow = || rebound.speed <= self.system.speeds(state) * (R::EPSILON * SLOWEST_ULPS);
+        // Two that chatter on each other, of which neither has a sum.
+        if self.system.absorbers() > 1 && slow() && self.system.others_meet(state, rebound.tail()) {
+            return true;
         }
         let short = |tail: R| is_nothing(tail, self.progress.clock.value);
         match &rebound.back {
