@@ -323,8 +323,8 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
     x, v = first["displacement"].to_numpy(), first["velocity"].to_numpy()
     motions = [(1, "structure", DISPLACEMENT, x), (1, "structure", VELOCITY, v)]
     for place in range(count):
-        reach, own = design_of(run, place).lever, states[place::count]
-        y, w = (reach * own[key].to_numpy() for key in ("gap_displacement", "gap_velocity"))
+        own = {name: column.to_numpy() for name, column in states[place::count].to_dict().items()}
+        y, w = design_of(run, place).beside(own)
         node, body = place + 2, "absorber" if count == 1 else f"absorber {place}"
         motions += [(node, body, DISPLACEMENT, x + y), (node, body, VELOCITY, v + w)]
     system = run.units.system

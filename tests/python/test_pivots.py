@@ -11,12 +11,19 @@ import dataclasses
 import math
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
 import iva
+from iva.design import design_of
+from iva.plots.energy_split import split_of
+
+mpl.use("Agg")
+
+pytestmark = pytest.mark.usefixtures("pictures_are_closed")
 
 Array = Any
 MU, LENGTH, KAPPA, CONTACT = 0.2, 1.0, 1.2, 0.8
@@ -242,6 +249,87 @@ def test_beyond_the_horizontal_a_run_ends_and_says_so() -> None:
             duration=40.0,
         )
         assert run.summary["outcome"][0] == outcome
+
+
+def rising(**more: Any) -> iva.Run:
+    return iva.simulate(
+        hanging(inclination=0.9, **more),
+        iva.Primary(damping_ratio=DAMPING),
+        start=iva.Start(displacement=1.0, angle=0.3),
+        duration=30.0,
+    )
+
+
+def test_the_bob_moves_along_the_line_in_tables_and_pictures() -> None:
+    run = rising(pivot_damping_ratio=0.02)
+    design, motion = design_of(run), run.trajectory()
+    columns = {name: column.to_numpy() for name, column in motion.to_dict().items()}
+    _, beside = design.beside(columns)
+    velocity = columns["velocity"] + beside
+    assert run.impacts.height > 3
+    for impact in run.impacts.iter_rows(named=True):
+        before, after = np.flatnonzero(columns["time"] == impact["time"])[:2]
+        assert abs(velocity[before] - impact["absorber_velocity_before"]) < 1e-13
+        assert abs(velocity[after] - impact["absorber_velocity_after"]) < 1e-13
+    # Displacements are those whose rate the velocities are.
+    fine = iva.simulate(
+        run.absorber, run.primary, start=run.start, duration=run.impacts["time"][0]
+    ).trajectory(4000)
+    columns = {name: column.to_numpy() for name, column in fine.to_dict().items()}
+    place, rate = design.beside(columns)
+    found = np.gradient(place, columns["time"])
+    assert np.abs(found - rate)[2:-2].max() < 1e-4
+    split = split_of(run)
+    assert np.abs(split.total - split.total[0]).max() < 1e-8 * split.total[0]
+    with pytest.raises(ValueError, match="rises"):
+        iva.plots.animation(run)
+    with pytest.raises(ValueError, match="inclination"):
+        iva.explore(run)
+
+
+def test_gradients_by_the_inclination_are_those_of_differences() -> None:
+    def of(degrees: float) -> iva.Run:
+        return iva.simulate(
+            hanging(inclination_deg=degrees),
+            iva.Primary(damping_ratio=DAMPING),
+            start=iva.Start(displacement=1.0, angle=0.3),
+            duration=12.0,
+            gradients=["absorber.inclination_deg"],
+        )
+
+    step = 1e-4
+    low, middle, high = (of(50.0 + shift) for shift in (-step, 0.0, step))
+    times = [run.impacts["time"].to_numpy() for run in (low, high)]
+    assert len(times[0]) > 2
+    [name] = [it for it in middle.gradients.impacts.columns if it.startswith("time")]
+    told = middle.gradients.impacts[name].to_numpy()
+    assert np.abs((times[1] - times[0]) / (2 * step) - told).max() < 1e-7
+
+
+def test_walls_that_are_not_there_are_not_drawn() -> None:
+    for walls, count in (("both", 2), ("plus", 1)):
+        run = iva.simulate(
+            hanging(walls=walls),
+            iva.Primary(damping_ratio=DAMPING),
+            start=iva.Start(displacement=0.3, angle=-0.3),
+            duration=10.0,
+        )
+        axes = iva.plots.phase(run, relative=True)
+        hatched = [patch for patch in axes.patches if patch.get_hatch()]
+        assert len(hatched) == count
+    with pytest.raises(ValueError, match="one wall"):
+        iva.plots.animation(run)
+    stop = iva.simulate(
+        iva.Stop(clearance=0.5, restitution=0.8),
+        iva.Primary(damping_ratio=DAMPING),
+        start=iva.Start(velocity=1.0),
+        duration=10.0,
+    )
+    columns = {name: column.to_numpy() for name, column in stop.trajectory().to_dict().items()}
+    _, beside = design_of(stop).beside(columns)
+    assert np.abs(columns["velocity"] + beside).max() == 0.0
+    with pytest.raises(ValueError, match="on the ground"):
+        iva.plots.animation(stop)
 
 
 def test_friction_holds_up_to_its_angle() -> None:

@@ -122,6 +122,8 @@ pub fn design<'py>(
     numbers.set_item("mass_ratio", absorber.map(|absorber| absorber.mass_ratio))?;
     numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
     numbers.set_item("gap_offset", scene.gap_offset(number))?;
+    let [minus, plus] = scene.walls_of(number).map(f64::is_finite);
+    numbers.set_item("walls", (minus, plus))?;
     let stiffness = scale.natural_frequency * scale.natural_frequency;
     let along = scene.gravity_along(number).map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
@@ -146,6 +148,7 @@ pub fn design<'py>(
         own.set_item("frequency", pendulum.frequency_ratio * scale.natural_frequency)?;
         own.set_item("damping_ratio", pendulum.pivot_damping_ratio)?;
         own.set_item("spring_frequency", pendulum.spring_ratio * scale.natural_frequency)?;
+        own.set_item("inclination", scene.inclination_of(number))?;
         own.set_item("small", pendulum.angles == Angles::Small)?;
         PyResult::Ok(own)
     });

@@ -1,6 +1,6 @@
 //! The fields and measures that a user may name, with their units and help.
 
-use iva_sweep::choices::CHOICES;
+use iva_sweep::choices::{CHOICES, Kind};
 use iva_sweep::columns::{Better, SUMMARY};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::units::UnitSystem;
@@ -19,9 +19,19 @@ const ELSEWHERE: [FieldId; 8] = [
     FieldId::StartImpulseVelocity,
 ];
 
+/// Fields that make a pendulum a member of a structure with modes, of which there are none here.
+const OF_MASSES: [FieldId; 6] = [
+    FieldId::GapOffset,
+    FieldId::GapOffsetMm,
+    FieldId::ReferenceSpeed,
+    FieldId::YieldSpeed,
+    FieldId::Inclination,
+    FieldId::InclinationDeg,
+];
+
 /// All fields, choices and measures.
 pub fn described() -> String {
-    let kinds = |kinds: &[iva_sweep::choices::Kind]| list(kinds.iter().map(|it| text(it.name())));
+    let kinds = |kinds: &[Kind]| list(kinds.iter().map(|it| text(it.name())));
     let fields = FieldId::all().filter(|id| !ELSEWHERE.contains(id)).map(|id| {
         let field = id.info();
         object([
@@ -33,7 +43,7 @@ pub fn described() -> String {
             ("allowed", text(field.allowed.words())),
             ("help", text(field.help)),
             ("group", text(field.group)),
-            ("kinds", kinds(field.kinds)),
+            ("kinds", if OF_MASSES.contains(&id) { kinds(&[Kind::Siva]) } else { kinds(field.kinds) }),
             ("default", id.default().map_or("null".to_owned(), json::number)),
         ])
     });

@@ -23,6 +23,16 @@ REFUSED: dict[str, tuple[float | None, str]] = {
     "start.impulse_velocity": (None, "the explorer takes no impulse; give a start velocity"),
     "run.tolerance": (0.0, "the explorer shows the exact motion; leave it out"),
 }
+ALONE = "the explorer takes it for a free mass only; leave it out"
+#: Those of a pendulum.
+OF_PENDULUM: dict[str, tuple[float | None, str]] = {
+    "absorber.gap_offset": (0.0, ALONE),
+    "absorber.gap_offset_mm": (0.0, ALONE),
+    "absorber.reference_speed": (None, ALONE),
+    "absorber.yield_speed": (None, ALONE),
+    "absorber.inclination": (0.0, ALONE),
+    "absorber.inclination_deg": (0.0, ALONE),
+}
 #: What a force has that is not harmonic.
 IMPULSES_AND_RECORDS = frozenset({"velocity", "impulse", "time", "record", "scale"})
 
@@ -68,8 +78,8 @@ def explored(spec: Mapping[str, Any]) -> Explored:
         raise ValueError("absorber.walls: the explorer shows a gap with two walls; leave it out")
     # Of a pendulum it is a spring in the pivot, which the page has.
     swings = spec.get("absorber.kind") == "piva"
-    of_mass = {} if swings else {"absorber.spring_ratio": (0.0, NO_SPRING)}
-    for path, (without, rule) in (REFUSED | of_mass).items():
+    own = OF_PENDULUM if swings else {"absorber.spring_ratio": (0.0, NO_SPRING)}
+    for path, (without, rule) in (REFUSED | own).items():
         if (value := spec.get(path)) is not None and value != without:
             raise ValueError(f"{path} = {value:g}: {rule}")
     if "absorber.restitution_table" in spec:

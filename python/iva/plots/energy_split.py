@@ -305,9 +305,9 @@ def absorber_energy(design: Design, motion: Motion) -> Numbers:
         kinetic = 0.5 * (velocity + motion["gap_velocity"]) ** 2
         stretched = 0.5 * design.spring * motion["gap_displacement"] ** 2
         return mass * (kinetic + design.gravity_along * height) + stretched
-    # Of a pendulum: L θ̇ of the centre of mass along its arc, and its horizontal part.
+    # Of a pendulum: L θ̇ of the centre of mass along its arc, and its part along the line.
     swing = arc_velocity(design, motion)
-    across = pendulum.lever * motion["gap_velocity"]
+    _, across = design.beside(motion)
     kinetic = velocity**2 + 2.0 * velocity * across + pendulum.inertia_ratio * swing**2
     # g L (1 − cos θ), with g = κ L ωp²; of small angles g L θ²/2. Of a spring κ (ωs L θ)²/2.
     if pendulum.small:

@@ -238,8 +238,8 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"
     with drawing_on(ax) as axes:
         for place, own in enumerate(own_motions(run, until)):
-            velocity = own["velocity"] + design_of(run, place).lever * own["gap_velocity"]
-            line_of_absorber(axes, run, place, own["time"], velocity, "ẋ₁")
+            _, beside = design_of(run, place).beside(own)
+            line_of_absorber(axes, run, place, own["time"], own["velocity"] + beside, "ẋ₁")
         line_of_structure(axes, run, until, "velocity", "ẋ")
         name_axis(axes.yaxis, partial(labelled, "velocity", symbols), units["velocity"])
         legend_above(axes)

@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from iva.design import design_of
+from iva.design import Design, design_of
 from iva.exports import aside
 from iva.forces import file_name
 from iva.parameters import number, shown
@@ -116,6 +116,8 @@ def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
     """
     if checked_run(run, several=True).absorber is None:
         raise ValueError("this run has no absorber, and so no gap to show")
+    for absorber in range(design_of(run).absorbers):
+        drawable(design_of(run, absorber))
     frame_of(run, "impacts")
     limit(until)
     for field, value, least, most in (("frames", frames, 2, 100_000), ("fps", fps, 1, 50)):
@@ -124,6 +126,26 @@ def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
             raise ValueError(
                 f"{field} = {shown(value)}: give a whole number from {least} to {most}"
             )
+
+
+def drawable(design: Design) -> None:
+    """Look whether there is a picture of an absorber.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if design.mass_ratio == 0.0:
+        raise ValueError("this run has a stop on the ground: animations show walls that move")
+    if not all(design.walls):
+        raise ValueError("this run has a gap with one wall: animations show two")
+    if (pendulum := design.pendulum) is None:
+        return
+    if pendulum.inclination != 0.0:
+        raise ValueError("the pivot moves on a line that rises: animations show level ones")
+    if design.gap_offset != 0.0:
+        raise ValueError("the gap of the pendulum has an offset: animations show none")
 
 
 def moving(figure: Figure, run: Run, until: float | None, frames: int, fps: int) -> FuncAnimation:

@@ -85,7 +85,7 @@ def phase(
         if relative:
             design = design_of(run, place)
             assert design.clearance is not None
-            walls(axes, design.clearance, design.gap_offset)
+            walls(axes, design.clearance, design.gap_offset, design.walls)
         axes.plot(
             np.insert(x, jumps + 1, np.nan),
             np.insert(y, jumps + 1, np.nan),
@@ -134,10 +134,13 @@ def impacts(
             axes.add_collection(drawn)
 
 
-def walls(axes: Axes, clearance: float, middle: float) -> None:
-    """Draw the walls of the gap, hatched on the side where the absorber never is."""
+def walls(axes: Axes, clearance: float, middle: float, there: tuple[bool, bool]) -> None:
+    """Draw the walls of the gap that there are, hatched on the side where the absorber never is."""
     outside = 1.12 * clearance
-    for sign, name in ((1.0, "walls"), (-1.0, "_wall −")):
+    for sign, exists in ((1.0, there[1]), (-1.0, there[0])):
+        if not exists:
+            continue
+        name = "walls" if sign > 0.0 or not there[1] else "_wall −"
         axes.axvline(middle + sign * clearance, color="0.3", linewidth=0.8, label=name)
         axes.axvspan(
             middle + sign * clearance,

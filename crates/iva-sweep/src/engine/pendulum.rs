@@ -1,6 +1,7 @@
 //! Length, gravity and frequency of a pendulum: from two of them the third follows (g = κ L ωp²).
 
 use iva_core::absorber::Start;
+use iva_core::compensated::DoubleDouble;
 use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
 use iva_core::range;
 use iva_core::real::Real;
@@ -69,6 +70,22 @@ pub(crate) fn parameters<R: Real>(
         tolerance: given.get(FieldId::Tolerance).unwrap_or(R::ZERO),
     };
     Ok((parameters, hanging.map(|hanging| hanging.gravity)))
+}
+
+/// The angle by which the line rises on which the pivot moves, in rad.
+///
+/// # Errors
+/// [`Invalid`] for one that is given in both units, or with small angles.
+pub(super) fn rising<R: Real>(given: &Given<'_, R>) -> Result<DoubleDouble<R>, Invalid> {
+    let angle = free_mass::inclination(given)?.unwrap_or(DoubleDouble::ZERO);
+    if angle.value == 0.0 || given.choices().angles == Angles::Large {
+        return Ok(angle);
+    }
+    let named = [FieldId::Inclination, FieldId::InclinationDeg];
+    let of = named.into_iter().find_map(|field| Some((field, given.get(field)?)));
+    let (field, value) = of.unwrap_or((FieldId::Inclination, angle.value));
+    let rule = "swings on a line that rises are of any size: give angles = \"large\"";
+    Err(Invalid::new(given.path(field), number(value), rule))
 }
 
 /// The friction in the pivot: a moment T has the coefficient T/(m g L), and decelerates a pendulum by r² b times that.

@@ -187,6 +187,20 @@ impl<R: Real> Scene<R> {
         }
     }
 
+    /// The angle by which the line rises on which the pivot of a pendulum moves, in rad; 0 for any other absorber.
+    pub fn inclination_of(&self, absorber: usize) -> R {
+        match self {
+            Scene::Modal(it) => it.system.inclination_of(absorber),
+            Scene::FewModes(it) => it.system.inclination_of(absorber),
+            _ => R::ZERO,
+        }
+    }
+
+    /// The walls of the gap of an absorber, as values of y; infinite where there is none.
+    pub fn walls_of(&self, absorber: usize) -> [R; 2] {
+        with_system!(self, |it| it.system.walls_of(absorber))
+    }
+
     /// Displacement and velocity of the primary at time zero.
     pub fn primary(&self) -> Point<R> {
         with_system!(self, |it| it.system.primary(&it.system.begin(&it.start)))

@@ -48,7 +48,7 @@ pub(super) fn each<R: Real>(
             let hanging = hanging(given, unit, scale, units)?;
             let gap = hanged(given, &hanging.0, scale, &mass)?;
             let weight = pendulum::friction(given, &hanging)?;
-            let rising = free_mass::inclination(given)?.unwrap_or(DoubleDouble::ZERO);
+            let rising = pendulum::rising(given)?;
             let hanging = Some(hanging);
             return take(given.absorber, Member { mass, hanging, gap, rising, weight });
         }

@@ -145,7 +145,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
             let Place { distance, rate, stuck, held, .. } = state.places[*k];
             let (near, gap) = (distance.value, self.masses[*k].half_play() * 2.0);
             let travel = time * (rate.value.abs() + kicked);
-            *k != at_hand && !stuck && !held && !(near > travel && gap - near > travel)
+            let clears = near > travel && gap - near > travel;
+            !(*k == at_hand || stuck || held || clears)
         };
         (0..self.count()).any(|k| meets(&k))
     }

@@ -170,6 +170,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         Ok(self.completed())
     }
 
+    /// The angle by which the line rises on which the pivot of a pendulum moves, in rad; 0 for any other member.
+    pub fn inclination_of(&self, absorber: usize) -> R {
+        let of = |it: &Hanging<R>| R::atan2(it.pendulum.rise, it.pendulum.level);
+        self.pendulums.get(absorber).and_then(Option::as_ref).map_or(R::ZERO, of)
+    }
+
     /// γ.
     pub(super) fn lean(&self, k: usize, is: &Pendulum<R>, place: &Place<R>) -> R {
         let y = self.gap_of_place(k, place).value;
