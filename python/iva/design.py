@@ -46,11 +46,11 @@ class Design:
     Of several absorbers, of which there are so many, they are those of one. Without absorber
     `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
     `gap_offset` ± `clearance`; `walls` says whether there is one at − and one at +. A stop on the
-    ground has a `mass_ratio` of 0. `gravity_along` is that part of gravity which acts along the motion
-    of a free mass, 0 where that is level. `friction` is the force m k g cos α on a mass that rubs,
-    of a pendulum the moment in its pivot over the contact distance; `spring` and `gap_damping` are
-    the constants k and c of the spring and of the dashpot between a free mass and its structure; 0
-    without.
+    ground has a `mass_ratio` of 0. `gravity_along` is that part of gravity which acts along the
+    motion of a free mass, 0 where that is level. `friction` is the force m k g cos α on a mass that
+    rubs, of a pendulum the moment in its pivot over the contact distance; `spring` and
+    `gap_damping` are the constants k and c of the spring and of the dashpot between a free mass and
+    its structure; 0 without.
     """
 
     absorbers: int
