@@ -5,11 +5,13 @@
 use iva_core::{
     absorber::modal::{Modal, ModalStart, ModalStructure},
     absorber::{Absorber, OnStructure},
+    compensated::DoubleDouble,
     flight::GapPoint,
     force::{Acts, Force, Harmonic},
     host::{DrivenHost, UndrivenHost},
     impact::Impact,
     observe::{Events, Observer},
+    piva::Parameters,
     propagation::Errors,
     real::{Real, twofold::Twofold},
     simulate::{Limits, simulate},
@@ -114,12 +116,13 @@ fn moved(start: Vec<f64>, displaced: usize, by: f64) -> Vec<Twofold> {
 }
 
 /// A mass with friction: μ, e, d, ζ, gravity and friction; friction at rest over that of a slide; whether it is driven, and its base;
-/// x, ẋ, y and w.
+/// x, ẋ, y and w. If it is a pendulum, L and b over d, r, and the angle by which the line of its pivot rises.
 struct Rubbing {
     numbers: [f64; 6],
     at_rest: f64,
     drive: Option<Acts>,
     start: [f64; 4],
+    hangs: Option<[f64; 4]>,
 }
 
 impl Rubbing {
@@ -142,7 +145,20 @@ impl Rubbing {
             d * rng.range(-0.9, 0.9),
             rng.range(-0.5, 0.5),
         ];
-        Self { numbers, at_rest, drive, start }
+        Self { numbers, at_rest, drive, start, hangs: None }
+    }
+
+    /// The same as a pendulum that rubs in its pivot.
+    fn hanging(rng: &mut Rng, at_rest: f64) -> Self {
+        let mass = Self::new(rng, at_rest);
+        let [mu, e, d, zeta, _, rubs] = mass.numbers;
+        let hangs = [
+            rng.range(1.5, 3.0),
+            rng.range(1.3, 2.5),
+            rng.range(0.4, 1.3),
+            rng.pick(&[0.0, 0.0, 0.6, 1.5]),
+        ];
+        Self { numbers: [mu, e, d, zeta, 0.0, 0.3 * rubs], hangs: Some(hangs), ..mass }
     }
 
     fn run<R: Real, O>(&self, start: &[R], mut observer: O) -> O
@@ -159,6 +175,17 @@ impl Rubbing {
         let structure = structure.with_point("p", &[R::ONE]).unwrap();
         let structure = structure.with_base(&[R::ONE]).unwrap();
         let system = Modal::new(structure, [(FreeMass::new(mu, e, d).unwrap(), "p")]).unwrap();
+        let hangs = |[length, contact, ratio, _]: [f64; 4]| Parameters {
+            frequency_ratio: R::from(ratio),
+            contact_distance: d * contact,
+            inertia_ratio: R::from(1.1),
+            pivot_damping_ratio: R::from(0.03),
+            spring_ratio: R::from(0.3),
+            ..Parameters::point_bob(mu, e, d, zeta, d * length)
+        };
+        let angle = self.hangs.map_or(0.0, |[.., angle]| angle);
+        let system = system.with_pendulums(&[self.hangs.map(hangs)]).unwrap();
+        let system = system.with_rising_pivots(&[DoubleDouble::new(R::from(angle))]).unwrap();
         let system = system.with_gravity(&[gravity]).unwrap().with_friction(&[friction]).unwrap();
         let system = system.with_static_friction(&[friction * self.at_rest]).unwrap();
         let system = system.under(force, "p").unwrap();
@@ -295,5 +322,12 @@ fn conditions_with_friction_are_those_of_differences() {
 fn conditions_with_friction_at_rest_are_those_of_differences() {
     let mut rng = Rng::new(97);
     let scenes = (0..40).map(|_| Rubbing::new(&mut rng, 2.0));
+    assert_exact(scenes.map(|scene| condition_over_differences(&scene)), 10);
+}
+
+#[test]
+fn conditions_of_pendulums_that_rub_on_lines_that_rise_are_those_of_differences() {
+    let mut rng = Rng::new(101);
+    let scenes = (0..40).map(|k| Rubbing::hanging(&mut rng, if k % 3 == 0 { 1.5 } else { 1.0 }));
     assert_exact(scenes.map(|scene| condition_over_differences(&scene)), 10);
 }
