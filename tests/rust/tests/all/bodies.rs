@@ -9,6 +9,7 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     real::Real,
     run::run,
+    simulate::{Limits, Outcome},
     siva::FreeMass,
 };
 use iva_tests::composed::{self, Composed, Scenes};
@@ -153,6 +154,21 @@ fn ledgers_close() {
 fn doubles_agree_with_twice_the_precision() {
     let compared = composed::doubles_agree::<Nested>(some(150), some(1300));
     assert!(compared > some(600), "{compared}");
+}
+
+/// Masses that squeeze each other have fewer and fewer impacts in ever shorter times, and then rest: no run goes on at the last digits for ever.
+#[test]
+fn masses_that_chatter_on_each_other_come_to_rest() {
+    let mut episodes = 0;
+    for seed in 0..50 {
+        let (system, start, force) = Nested::scene::<f64>(seed);
+        let force = force.unwrap_or_else(|| Force::harmonic(vec![]).unwrap());
+        let driven = system.under(force, POINTS[1]).unwrap();
+        let run = run(&driven, &start, &Limits { max_work: 10_000, ..limits(9.0) }).unwrap();
+        assert_eq!(run.tally.outcome, Outcome::Finished, "{seed}");
+        episodes += run.episodes.len();
+    }
+    assert!(episodes > 60, "{episodes}");
 }
 
 /// A body of another mass, one that rides on itself, and one after what rides on it are refused.
