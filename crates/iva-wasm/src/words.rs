@@ -43,7 +43,10 @@ pub fn described() -> String {
             ("allowed", text(field.allowed.words())),
             ("help", text(field.help)),
             ("group", text(field.group)),
-            ("kinds", if OF_MASSES.contains(&id) { kinds(&[Kind::Siva]) } else { kinds(field.kinds) }),
+            (
+                "kinds",
+                if OF_MASSES.contains(&id) { kinds(&[Kind::Siva]) } else { kinds(field.kinds) },
+            ),
             ("default", id.default().map_or("null".to_owned(), json::number)),
         ])
     });
