@@ -22,6 +22,7 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::Matrix4;
 
+use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
@@ -273,6 +274,8 @@ pub fn iterate<S: Iterated>(
 }
 
 impl Iterated for Siva {}
+
+impl<const N: usize, const M: usize> Iterated for Modal<DrivenHost, N, M> {}
 
 impl Iterated for Siva<DrivenHost> {
     fn key(trajectory: &Trajectory<Self>, _request: &Request<'_>) -> Option<[u64; 2]> {

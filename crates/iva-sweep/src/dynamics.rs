@@ -7,6 +7,7 @@ use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use iva_core::absorber::Clock;
+use iva_core::absorber::modal::FewModes;
 use iva_core::error::Invalid;
 use iva_core::host::DrivenHost;
 use iva_core::observe::{Events, Observer};
@@ -53,13 +54,15 @@ pub struct Tracker<'a> {
     pub done: &'a AtomicU64,
 }
 
-/// An orbit that was found in doubles, of an absorber of either kind.
+/// An orbit that was found in doubles, of an absorber of any kind.
 #[derive(Debug, Clone, Copy)]
 pub enum InDoubles<'a> {
     /// Of a free mass.
     Siva(&'a Orbit<Siva<DrivenHost>>),
     /// Of a pendulum.
     Piva(&'a Orbit<Piva<DrivenHost>>),
+    /// Of one member of any kind.
+    System(&'a Orbit<FewModes<DrivenHost>>),
 }
 
 /// An orbit to twice the precision.

@@ -35,6 +35,9 @@ pub fn exact_orbit(
         (InDoubles::Piva(orbit), Scene::Piva(it)) => {
             exact(orbit, &it.system, cycle, cycles, cancel)
         }
+        (InDoubles::System(orbit), Scene::Modal(it)) => {
+            exact(orbit, &it.system, cycle, cycles, cancel)
+        }
         _ => Err(lost),
     }
 }

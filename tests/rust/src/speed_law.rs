@@ -135,8 +135,9 @@ impl<R: Real> Absorber for Softening<R> {
 impl Differentiable for Softening {
     const LINEAR: bool = true;
 
-    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64> {
-        free_mass_impact(&self.law_at(wall, approach))
+    fn impact_matrix(&self, [before, _]: [&Self::State; 2]) -> Matrix4<f64> {
+        let approach = self.rates(before)[2].abs();
+        free_mass_impact(&self.law_at(self.wall(before), approach))
     }
 
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
@@ -148,8 +149,8 @@ impl Differentiable for Softening {
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
         self.siva.ride_tangent(from, h)
     }
-    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
-        self.siva.stick_matrix(wall)
+    fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64> {
+        self.siva.stick_matrix(stuck)
     }
 }
 

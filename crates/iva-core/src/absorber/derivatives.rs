@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use crate::absorber::{Absorber, LawAt, Wall};
+use crate::absorber::{Absorber, LawAt};
 
 pub(crate) mod lists;
 pub(crate) mod masses;
@@ -40,9 +40,9 @@ pub trait Differentiable: Absorber<Real = f64> {
     /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
     /// that before it.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
-    /// Derivative of the state just after an impact of an approach speed with respect to that just before, at a fixed
+    /// Derivative of the state just after an impact, between two states, with respect to that just before, at a fixed
     /// instant.
-    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64>;
+    fn impact_matrix(&self, states: [&Self::State; 2]) -> Matrix4<f64>;
     /// The determinant of the derivative of a flight.
     #[inline(always)]
     fn flight_volume(&self, tangent: &Matrix4<f64>) -> f64 {
@@ -53,9 +53,9 @@ pub trait Differentiable: Absorber<Real = f64> {
     fn impact_volume(&self, jump: &Matrix4<f64>) -> f64 {
         determinant(jump)
     }
-    /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
+    /// Derivative of the state at the end of a chatter, in which the absorber is stuck, with respect to that after one of its
     /// rebounds.
-    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
+    fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64>;
     /// Error of y per rounding of the position at a state: 1, or cosθ where the position is computed from
     /// cosθ.
     fn sharpness(&self, _state: &Self::State) -> f64 {

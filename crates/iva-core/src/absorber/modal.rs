@@ -98,6 +98,7 @@ mod propagator;
 mod regime;
 mod series;
 mod sight;
+mod single;
 mod slides;
 mod start;
 mod state;

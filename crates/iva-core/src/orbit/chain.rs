@@ -207,7 +207,7 @@ impl Chain {
             let before = system.rates(&touching);
             speeds.push(before[GAP] * wall.sign());
             let (after, _) = system.impact(&touching, end);
-            let jump = system.impact_matrix(wall, before[GAP].abs());
+            let jump = system.impact_matrix([&touching, &after]);
             let rates = system.rates(&after);
             if derivatives {
                 carried = tangent * carried;
@@ -221,7 +221,7 @@ impl Chain {
                 carried.row_mut(GAP).fill(0.0);
                 carried = jump * carried;
             }
-            map = saltation(system, wall, [&before, &rates]) * tangent * map;
+            map = saltation(system, [&touching, &after], [&before, &rates]) * tangent * map;
             state = after;
         }
         let last = system.coordinates(&state);

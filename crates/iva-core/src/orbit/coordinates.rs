@@ -2,9 +2,10 @@
 
 use nalgebra::Vector4;
 
+use crate::absorber::modal::Modal;
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, ImpactLaw as _, OnStructure, Start, Wall};
+use crate::absorber::{Absorber, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::Differentiable;
 use crate::number::real::Real;
@@ -33,6 +34,10 @@ pub trait Coordinates: Differentiable + Numbered {
     /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
     /// that momenta and places make. `None` if an impact does not shrink it by e².
     fn contraction(&self, gap_displacement: f64) -> Option<f64>;
+    /// How many of the numbers a state can have independently of each other.
+    fn dimension(&self) -> usize {
+        4
+    }
     /// ln |det| of the derivative of the motion over a time with this number of impacts and no ride, where it depends on
     /// nothing else.
     fn known_log_volume(&self, _time: f64, _impacts: u64) -> Option<f64> {
@@ -72,14 +77,18 @@ where
         Some(2.0 * self.damping_ratio())
     }
 
-    /// Of equal walls with a constant restitution: 2 N ln e − 2 ζ τ. The damper takes ẋ, an impact turns two velocities by
-    /// −e: w⁺ = −e w⁻ and the instant of the impact, which moves by δy/w.
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
-        let [plus, minus] =
-            [Wall::Plus, Wall::Minus].map(|wall| self.law_at(wall, 1.0).restitution);
-        let damped = 2.0 * self.host.damping_ratio() * time;
-        (plus == minus && !self.varies()).then(|| 2.0 * impacts as f64 * plus.ln() - damped)
+        log_volume(self, time, impacts)
     }
+}
+
+/// Of equal walls with a constant restitution: 2 N ln e − τ times the contraction, which is the same in any state. The damper takes ẋ, an
+/// impact turns two velocities by −e: w⁺ = −e w⁻ and the instant of the impact, which moves by δy/w.
+fn log_volume<S: Coordinates>(system: &S, time: f64, impacts: u64) -> Option<f64> {
+    let [plus, minus] = [Wall::Plus, Wall::Minus].map(|wall| system.law_at(wall, 1.0));
+    let constant = plus == minus && plus.slope == plus.rebound;
+    let damped = system.contraction(0.0)? * time;
+    constant.then(|| 2.0 * impacts as f64 * plus.restitution.ln() - damped)
 }
 
 impl<R: Real, H: Host<Real = R>> Numbered for Piva<H>
@@ -114,5 +123,34 @@ impl<H: Host<Real = f64>> Coordinates for Piva<H> {
         let damped = inertia_ratio * (2.0 * damping_ratio + pivot * total);
         let rate = damped / (inertia_ratio * total - mass_ratio * cosine_squared);
         (impact_law == ImpactLaw::Consistent).then_some(rate)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Numbered for Modal<H, N, M> {
+    fn numbers(&self, state: &Self::State) -> [R; 4] {
+        let primary = self.primary(state);
+        let rate = self.distance(state).rate;
+        [primary.x, primary.v, from_middle(self, state), rate * -self.wall(state).sign()]
+    }
+
+    /// At a stop on the ground the structure is where the gap tells.
+    fn numbered(&self, [x, v, from_middle, w]: [R; 4]) -> Self::Start {
+        let y = self.offset_of(0) + from_middle;
+        let [displacement, velocity] = if self.on_ground(0) { [y, w] } else { [x, v] };
+        Start { displacement, velocity, gap_displacement: y, gap_velocity: w }.into()
+    }
+}
+
+impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<H, N, M> {
+    fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
+        self.shrinking().filter(|_| !self.on_ground(0))
+    }
+
+    fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
+        log_volume(self, time, impacts)
+    }
+
+    fn dimension(&self) -> usize {
+        if self.on_ground(0) { 2 } else { 4 }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::Cycle;
 use super::coordinates::Coordinates;
+use super::margins::margin;
 use super::periodic::{Missed, Orbit, reached};
 use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
@@ -141,7 +142,9 @@ struct Extrema {
 impl Extrema {
     /// An extremum; after a contact or a ride that on the wall is none, as the absorber begins there.
     fn turn<S: Coordinates>(&mut self, system: &S, time: f64, y: f64) {
-        let distance = system.clearance() - (y - system.offset()).abs();
+        let y = y - system.offset_of(0);
+        let [minus, plus] = [Wall::Minus, Wall::Plus].map(|wall| margin(system, wall, y));
+        let distance = minus.min(plus);
         if self.rate.is_some() || distance.abs() > ON_WALL * system.clearance() {
             self.turns.push((time, distance));
         }

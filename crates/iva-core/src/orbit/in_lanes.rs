@@ -147,7 +147,7 @@ impl<S: Iterated> Turns<'_, '_, S> {
             self.turns[i] = None;
         } else if lanes.repeat(i, &from) {
             if let Some(tangent) = &mut turn.observer {
-                *tangent = Tangent::at(system, &state, clock);
+                *tangent = Tangent::at(clock);
             }
             return;
         } else {

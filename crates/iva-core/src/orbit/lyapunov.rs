@@ -92,7 +92,7 @@ fn orthonormal(matrix: &mut Matrix4<f64>) -> [f64; 4] {
     logs
 }
 
-/// Replaces the last columns of a matrix, two at most, so that all are orthonormal.
+/// Replaces the last columns of a matrix so that all are orthonormal.
 fn complete(matrix: &mut Matrix4<f64>, last: usize) {
     matrix.columns_mut(4 - last, last).fill(0.0);
     for j in 4 - last..4 {
@@ -149,7 +149,12 @@ impl Carried {
     }
 
     /// Carries the differences through one more cycle.
-    fn take<State>(&mut self, image: &Image<State>, window: Window) -> ControlFlow<()> {
+    fn take<State>(
+        &mut self,
+        image: &Image<State>,
+        window: Window,
+        dimension: usize,
+    ) -> ControlFlow<()> {
         self.outcome = image.outcome;
         let Image {
             tangent: Some(tangent), volume: Some(volume), outcome: Outcome::Finished, ..
@@ -164,8 +169,9 @@ impl Carried {
         }
         let counts = self.seen >= window.discard;
         let taken = match image.rides {
+            0 if dimension < 4 => 4 - dimension,
             0 => usize::from(*volume == 0.0),
-            _ => 2,
+            _ => 6 - dimension,
         };
         if counts {
             self.lost = self.lost.max(taken);
@@ -231,7 +237,9 @@ pub fn carried<S: Iterated + Coordinates>(
     }
     let mut all: Vec<Carried> = trajectories.iter().map(|_| Carried::new()).collect();
     let request = Request { tangents: true, cancel };
-    iterate(trajectories, request, &mut |index, image| all[index].take(image, window))?;
+    iterate(trajectories, request, &mut |index, image| {
+        all[index].take(image, window, trajectories[index].system.dimension())
+    })?;
     Ok(all)
 }
 

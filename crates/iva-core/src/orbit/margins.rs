@@ -87,6 +87,16 @@ fn turnings<State: Copy, M: Motion<Real = f64, State = State>>(
     }
 }
 
+/// The distance of y, from the middle of the gap, to a wall; infinite where there is none.
+pub(super) fn margin<S: Coordinates>(system: &S, wall: Wall, y: f64) -> f64 {
+    let [minus, plus] = system.walls_of(0);
+    match wall {
+        Wall::Plus if plus.is_infinite() => plus,
+        Wall::Minus if minus.is_infinite() => -minus,
+        _ => system.clearance() - wall.sign() * y,
+    }
+}
+
 /// All extrema between the impacts of a chain over a cycle of this length.
 pub(super) fn extrema<S: Coordinates>(
     system: &S,
@@ -102,7 +112,7 @@ pub(super) fn extrema<S: Coordinates>(
     turnings(flights, cycle, go_on, rates, |(flight, time), (motion, h), before| {
         let wall = if before > 0.0 { Wall::Plus } else { Wall::Minus };
         let place = system.coordinates(&motion.state(h))[2];
-        let margin = system.clearance() - wall.sign() * place;
+        let margin = margin(system, wall, place);
         found.push(Extremum { flight, wall, time, margin });
     });
     found

@@ -33,7 +33,7 @@ pub struct Spectrum {
     pub errors: [f64; 4],
     /// The multipliers of the half map of a symmetric orbit, with their errors.
     pub half: Option<([Complex<f64>; 4], [f64; 4])>,
-    /// The largest rank that the monodromy matrix can have: 2 with a ride on a wall, 3 with a plastic impact, else 4.
+    /// The largest rank that the monodromy matrix can have: the dimension of the state, 2 less with a ride on a wall, 1 less with a plastic impact.
     pub rank: usize,
     /// The product of the multipliers minus its exact value e^(2N) exp(−∫ contraction): of unlike walls each impact has its
     /// own e, and where e depends on the approach speed u, e d(e u)/du in place of e². `None` with a ride, or where no
@@ -56,11 +56,12 @@ pub fn spectrum<S: Coordinates + Clone>(
     let system = &orbit.trajectory.system;
     let law = |it: &crate::impact::Impact| system.law_at(it.wall, it.approach_speed());
     let plastic = description.impacts.iter().any(|impact| law(impact).restitution == 0.0);
-    let rank = match (description.episodes.is_empty(), plastic) {
+    let lost = match (description.episodes.is_empty(), plastic) {
         (false, _) => 2,
-        (true, true) => 3,
-        (true, false) => 4,
+        (true, true) => 1,
+        (true, false) => 0,
     };
+    let rank = system.dimension() - lost;
     let (matrix, error) = sought(orbit, cancel)?;
     let mut known = with_errors(&matrix, error);
     known[rank..].fill((Complex::new(0.0, 0.0), 0.0));

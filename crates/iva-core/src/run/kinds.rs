@@ -9,6 +9,7 @@ use super::group::{Group, grouped};
 use super::piva::{Pushed, Still};
 use super::side_by_side::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
 use crate::absorber::OnStructure;
+use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
@@ -85,6 +86,8 @@ impl SideBySide for Siva {
         group.run::<Decays<ExactDecays, WIDE>>();
     }
 }
+
+impl<const N: usize, const M: usize> SideBySide for Modal<DrivenHost, N, M> {}
 
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {

@@ -1,5 +1,6 @@
 //! Bifurcation diagrams over a field of a scene, in the user's units, see [`iva_core::orbit::diagram`].
 
+use iva_core::absorber::modal::FewModes;
 use iva_core::error::{Invalid, number};
 use iva_core::host::DrivenHost;
 use iva_core::orbit::Trajectory;
@@ -62,6 +63,9 @@ pub fn diagram(
         match &all[first].member {
             Member::Siva(_) => strobes::<Siva<DrivenHost>>(all, values, direction, window, tracker),
             Member::Piva(_) => strobes::<Piva<DrivenHost>>(all, values, direction, window, tracker),
+            Member::System(_) => {
+                strobes::<FewModes<DrivenHost>>(all, values, direction, window, tracker)
+            }
         }
     };
     let parts = Workers::new(None)?.map(directions.len() as u64, one);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use iva_core::absorber::Absorber;
+use iva_core::absorber::modal::FewModes;
 use iva_core::error::{Invalid, number};
 use iva_core::force::{Force, Harmonic};
 use iva_core::host::DrivenHost;
@@ -11,10 +13,8 @@ use iva_core::piva::Piva;
 use iva_core::siva::Siva;
 
 use super::InDoubles;
-use crate::choices::{Choices, Kind};
+use crate::choices::Kind;
 use crate::design::{Design, Spec};
-use crate::engine::given::Given;
-use crate::engine::ties;
 use crate::fields::{FieldId, Part};
 use crate::forces::Nature;
 use crate::scene::{Mounted, Scene};
@@ -34,6 +34,8 @@ pub struct Family {
     pub mirrors: bool,
     /// The middle of the gap, as a value of y.
     pub middle: f64,
+    /// Between which displacements the structure moves: any, but where it has a stop on the ground.
+    pub within: [f64; 2],
     /// True if a pendulum has an angle to report.
     pub has_angle: bool,
     /// Factors from natural units to the user's.
@@ -49,6 +51,8 @@ pub enum Member {
     Siva(Box<Trajectory<Siva<DrivenHost>>>),
     /// A pendulum.
     Piva(Box<Trajectory<Piva<DrivenHost>>>),
+    /// One member of any kind with any terms.
+    System(Box<Trajectory<FewModes<DrivenHost>>>),
 }
 
 /// A kind of absorber that a member can be of.
@@ -80,12 +84,23 @@ impl OfMember for Piva<DrivenHost> {
     }
 }
 
+impl OfMember for FewModes<DrivenHost> {
+    fn of(member: Member) -> Option<Trajectory<Self>> {
+        if let Member::System(trajectory) = member { Some(*trajectory) } else { None }
+    }
+
+    fn in_doubles(orbit: &Orbit<Self>) -> InDoubles<'_> {
+        InDoubles::System(orbit)
+    }
+}
+
 /// Code for the trajectory of a member of any kind.
 macro_rules! with_member {
     ($member:expr, |$trajectory:ident| $body:expr) => {
         match $member {
             $crate::dynamics::family::Member::Siva($trajectory) => $body,
             $crate::dynamics::family::Member::Piva($trajectory) => $body,
+            $crate::dynamics::family::Member::System($trajectory) => $body,
         }
     };
 }
@@ -116,9 +131,11 @@ impl Family {
         let other = spec.get(FieldId::RestitutionMinus);
         let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
         let level = scene.gravity_along(0).is_none_or(|along| along == 0.0);
-        let mirrors = like && level;
+        let across = scene.walls_of(0).iter().all(|wall| wall.is_finite());
+        let mirrors = like && level && across && scene.inclination_of(0) == 0.0;
         let middle = scene.gap_offset(0);
         let has_angle = scene.has_angle();
+        let mut within = [f64::NEG_INFINITY, f64::INFINITY];
         let member = match scene {
             Scene::DrivenSiva(Mounted { system, start, .. }) => {
                 Member::Siva(Box::new(Trajectory::new(system, &start, cycle)?))
@@ -127,9 +144,17 @@ impl Family {
                 let Mounted { system, start, .. } = *mounted;
                 Member::Piva(Box::new(Trajectory::new(system, &start, cycle)?))
             }
+            Scene::FewModes(mounted) => {
+                let Mounted { system, start, .. } = *mounted;
+                system.check_single()?;
+                if system.on_ground(0) {
+                    within = system.walls_of(0);
+                }
+                Member::System(Box::new(Trajectory::new(system, &start, cycle)?))
+            }
             _ => return Err(not_periodic(&spec)),
         };
-        Ok(Self { member, period, amplitude, mirrors, middle, has_angle, scale, units })
+        Ok(Self { member, period, amplitude, mirrors, middle, within, has_angle, scale, units })
     }
 }
 
@@ -143,10 +168,6 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of an absorber without friction; leave it out";
         return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
     }
-    if let Some((path, value)) = ties::given(&Given::<f64>::new(spec)) {
-        let rule = "orbits are those of an absorber without spring or dashpot; leave it out";
-        return Err(Invalid::new(path, number(value), rule));
-    }
     let shocks = [FieldId::StartImpulse, FieldId::StartImpulseVelocity];
     if let Some((field, value)) = shocks.iter().find_map(|it| Some((it, spec.get(*it)?))) {
         let rule = "an orbit has no shock at its start; leave it out";
@@ -156,14 +177,10 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
         return Err(Invalid::new("structure", "several modes", rule));
     }
-    let Choices { kind, walls, .. } = spec.choices();
-    if matches!(kind, Kind::None | Kind::Stop) {
-        let rule = "an orbit is one of an absorber; give a free mass or a pendulum";
+    let kind = spec.choices().kind;
+    if kind == Kind::None {
+        let rule = "an orbit is one of an absorber; give a free mass, a pendulum or a stop";
         return Err(Invalid::new("absorber.kind", kind.name(), rule));
-    }
-    if walls.only().is_some() {
-        let rule = "orbits are those between two walls; leave it out";
-        return Err(Invalid::new("absorber.walls", "one", rule));
     }
     if let Some(units) = spec.get(FieldId::Units).filter(|units| *units > 1.0) {
         let rule = "orbits are those of one absorber of one unit; leave it out";
@@ -184,12 +201,14 @@ fn not_periodic(spec: &Spec) -> Invalid {
     }
 }
 
-/// The scene with the absorber in the middle of its gap, where it fits any clearance.
+/// The scene with the absorber in the middle of its gap, or the structure in the middle of that of a stop, where it fits any clearance.
 pub(super) fn middled(spec: &Spec) -> Result<Spec, Invalid> {
     let mut spec = spec.clone();
     let middle = spec.get(FieldId::GapOffset);
     let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
-    spec.replace(FieldId::GapDisplacement, middle.unwrap_or(0.0))?;
+    let stops = spec.choices().kind == Kind::Stop;
+    let field = if stops { FieldId::Displacement } else { FieldId::GapDisplacement };
+    spec.replace(field, middle.unwrap_or(0.0))?;
     Ok(spec)
 }
 

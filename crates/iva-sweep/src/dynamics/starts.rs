@@ -82,7 +82,7 @@ where
             let state = self.begin_at(&start, Clock::new(0.0));
             -self.wall(&state).sign() * self.distance(&state).rate
         });
-        [x, scale.velocity(v), self.offset() + y, scale.velocity(gap_velocity)]
+        [x, scale.velocity(v), self.offset_of(0) + y, scale.velocity(gap_velocity)]
     }
 }
 
@@ -91,11 +91,12 @@ impl Family {
     /// without absorber, the whole gap as far as a pendulum reaches, and gap velocities up to the same velocity.
     pub(super) fn bounds<S: Absorber<Real = f64>>(&self, system: &S) -> Bounds {
         let frequency = std::f64::consts::TAU / self.period;
-        let (middle, clearance) = (system.offset(), system.clearance());
+        let (middle, clearance) = (system.offset_of(0), system.clearance());
         let half = clearance.min(self.reach());
         let x = if self.amplitude.is_finite() { self.amplitude } else { clearance };
         let v = self.scale.velocity(x * frequency);
-        [[-x, x], [-v, v], [middle - half, middle + half], [-v, v]]
+        let [low, high] = self.within;
+        [[-x, x].map(|x| x.max(low).min(high)), [-v, v], [middle - half, middle + half], [-v, v]]
     }
 
     /// How far the absorber reaches to either side, where there were no walls.
@@ -104,6 +105,10 @@ impl Family {
             Member::Piva(it) if it.system.parameters().angles == Angles::Large => {
                 it.system.parameters().contact_distance
             }
+            Member::System(it) => match it.system.pendulum(0) {
+                Some(pendulum) if pendulum.angles == Angles::Large => pendulum.contact_distance,
+                _ => f64::INFINITY,
+            },
             _ => f64::INFINITY,
         }
     }
@@ -115,7 +120,7 @@ impl Family {
         drawn: Drawn,
     ) -> Result<Starts<S>, Invalid> {
         let system = &like.system;
-        let gap = [-1.0, 1.0].map(|side| system.offset() + side * system.clearance());
+        let gap = system.walls_of(0);
         let given: Numbers = system.coordinates(&like.state).into();
         let given = system.user_numbers(&self.scale, given);
         let bounds = match drawn.within {
@@ -126,6 +131,7 @@ impl Family {
                 let sizes = [size, self.scale.velocity(size)];
                 let around = |k: usize| [given[k] - sizes[k % 2], given[k] + sizes[k % 2]];
                 let [x, v, y, w] = [0, 1, 2, 3].map(around);
+                let x = x.map(|x| x.clamp(self.within[0], self.within[1]));
                 [x, v, y.map(|y| y.clamp(gap[0], gap[1])), w]
             }
         };

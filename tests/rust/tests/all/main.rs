@@ -68,6 +68,7 @@ mod several;
 mod several_errors;
 mod several_reference;
 mod side_by_side;
+mod single_members;
 mod special_structures;
 mod speed_law;
 mod starts_at_jumps;

@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
 use super::structure::stuck;
-use crate::absorber::Wall;
+use crate::absorber::Absorber as _;
 use crate::absorber::piva::{Piva, PivaState, STEEP, Sizes};
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure};
@@ -136,19 +136,19 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
         stuck(self.host.loaded().equation(), h)
     }
 
-    fn impact_matrix(&self, wall: Wall, _approach: f64) -> Matrix4<f64> {
+    fn impact_matrix(&self, [before, _]: [&Self::State; 2]) -> Matrix4<f64> {
         let mut jump = Matrix4::identity();
-        let law = self.law(wall);
+        let law = self.law(self.wall(before));
         (jump[(1, 3)], jump[(3, 3)]) = (law.impact_gain(), -law.ratio);
         jump
     }
 
-    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
+    fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64> {
         let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
         let Pendulum { mass_ratio, lever, .. } = self.pendulum;
         // The centre of mass, (1 + μ) x + μλ y, is conserved.
         matrix[(0, 2)] = mass_ratio * lever / (1.0 + mass_ratio);
-        matrix[(1, 3)] = self.law(wall).stick_gain();
+        matrix[(1, 3)] = self.law(self.wall(stuck)).stick_gain();
         matrix
     }
 

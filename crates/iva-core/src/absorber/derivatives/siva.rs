@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::structure::{columns, stuck};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, ImpactLaw, OnStructure, Point, Wall};
+use crate::absorber::{Absorber, ImpactLaw, OnStructure, Point};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -68,8 +68,8 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     }
 
     #[inline(always)]
-    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64> {
-        free_mass_impact(&self.law_at(wall, approach))
+    fn impact_matrix(&self, [before, _]: [&Self::State; 2]) -> Matrix4<f64> {
+        free_mass_impact(&self.law_at(self.wall(before), before.gap_velocity().abs()))
     }
 
     /// x + y moves uniformly, whatever x does.
@@ -86,7 +86,7 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     /// With Y the gap displacement from the wall and σ = μ/(1 + μ), X = x + σY obeys
     /// (1 + μ) Ẍ + 2ζ Ẋ + X = f + σY + 2ζσẎ: as if stuck, but for the integrals of Y and Ẏ over the chatter. That of Ẏ is
     /// −Y at its begin, that of Y of higher order.
-    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
+    fn stick_matrix(&self, _stuck: &Self::State) -> Matrix4<f64> {
         let share = self.stick_share.value;
         let mut matrix = free_mass_stick(share);
         matrix[(1, 2)] = -share * self.host.loaded().equation().damping;

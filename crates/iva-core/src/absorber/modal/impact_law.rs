@@ -280,7 +280,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             let (none, seen) = ([R::ZERO; 2], self.primary(state));
             return (*state, Impact::of_free_mass(none, time, Wall::Plus, seen, R::ZERO));
         }
+        let (k, mass, place) = self.at_hand_of(state);
+        let e = mass.law_for(place.side, -place.rate.value).restitution;
         let mut struck = self.struck(state);
+        // The one at hand has its impact also where an orbit is sought in which it would move away from its wall.
+        struck[k].get_or_insert(e);
         if let Some(first) = self.first_struck(state) {
             struck = std::array::from_fn(|k| struck[k].filter(|_| k == first));
         }
@@ -295,10 +299,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
             }
         }
         self.settle(&mut after);
-        let (k, mass, place) = self.at_hand_of(state);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
-        let e = mass.law_for(place.side, -place.rate.value).restitution;
         let w = -place.side * place.rate.value;
         // A mass at rest in space: its gap velocity is summed apart from that of the structure.
         let at_rest = (v + w).abs() <= v.abs() * (R::EPSILON * AT_REST_ULPS);

@@ -88,7 +88,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     }
 
     /// A state in which nothing moves, far from all walls.
-    fn at_rest(&self) -> ModalState<H, N, M> {
+    pub(super) fn at_rest(&self) -> ModalState<H, N, M> {
         let phase = self.host.begin_at(Clock::ZERO);
         ModalState { modes: Modes::REST, places: [Place::FAR; N], phase, at_hand: 0, felt: None }
     }
@@ -110,19 +110,52 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     }
 
     /// The derivative of all rates at a state, in which these members are carried.
-    fn jacobian(&self, state: &ModalState<H, N, M>, carried: &[bool]) -> DMatrix<f64> {
+    pub(super) fn jacobian(&self, state: &ModalState<H, N, M>, carried: &[bool]) -> DMatrix<f64> {
         let state = Self::carrying_these(state, carried);
         let rates = DifferentiableList::rates(self, &state, carried);
         let felt: Vec<f64> = (0..self.count()).map(|k| self.felt(&state, &rates, k)).collect();
         self.linear(&state).jacobian(carried, &felt)
     }
+
+    /// The derivative of a motion of length h in which these members are carried. Where a pendulum swings, by Magnus's series to the sixth order (S. Blanes et al.,
+    /// Phys. Rep. 470, 2009, section 5.6) over parts of this length, in units of the fastest rate.
+    pub(super) fn flow_in_parts(
+        &self,
+        from: &ModalState<H, N, M>,
+        carried: &[bool],
+        h: f64,
+        part: f64,
+    ) -> DMatrix<f64> {
+        let from = Self::carrying_these(from, carried);
+        if self.is_linear() || self.swinging(&from.places).next().is_none() {
+            return self.linear(&from).flow(carried, h);
+        }
+        let flight = self.flight(&from);
+        let fastest = self.swinging_rate(&from.places).max(self.whole.growth());
+        let parts = (h * fastest / part).ceil().max(1.0);
+        let length = h / parts;
+        let both = |a: &DMatrix<f64>, b: &DMatrix<f64>| a * b - b * a;
+        let mut flow = DMatrix::identity(2, 2);
+        for part in 0..parts as usize {
+            let [a, b, c] = NODES
+                .map(|node| self.jacobian(&flight.state((part as f64 + node) * length), carried));
+            let first = &b * length;
+            let second = (&c - &a) * (length * 15.0_f64.sqrt() / 3.0);
+            let third = (c - b * 2.0 + a) * (length * 10.0 / 3.0);
+            let turned = both(&first, &second);
+            let again = both(&first, &(&third * 2.0 + &turned)) / -60.0;
+            let inner = &first * -20.0 - &third + turned;
+            let step = (first + third / 12.0 + both(&inner, &(second + again)) / 240.0).exp();
+            flow = if part == 0 { step } else { step * flow };
+        }
+        flow
+    }
 }
 
-/// Length of a part of a motion over which the derivative of a swing is found from two states, in units of its fastest rate: what that leaves out is some
-/// 10⁻⁶ of it.
-const PART: f64 = 0.15;
+/// Length of a part of a motion over which the derivative of a swing is found from three states, in units of its fastest rate, for estimates.
+const PART: f64 = 0.25;
 /// The nodes of Gauss's quadrature over a length of 1.
-const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+const NODES: [f64; 3] = [0.112_701_665_379_258_3, 0.5, 0.887_298_334_620_741_7];
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for Modal<H, N, M> {
     fn is_linear(&self) -> bool {
@@ -191,25 +224,8 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         self.linear(&self.at_rest()).begin()
     }
 
-    /// Where a pendulum swings, by Magnus's series to the fourth order (S. Blanes et al., Phys. Rep. 470, 2009).
     fn flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
-        let from = Self::carrying_these(from, carried);
-        if self.is_linear() || self.swinging(&from.places).next().is_none() {
-            return self.linear(&from).flow(carried, h);
-        }
-        let flight = self.flight(&from);
-        let fastest = self.swinging_rate(&from.places).max(self.whole.growth());
-        let parts = (h * fastest / PART).ceil().max(1.0);
-        let length = h / parts;
-        let mut flow = DMatrix::identity(2, 2);
-        for part in 0..parts as usize {
-            let [a, b] = NODES
-                .map(|node| self.jacobian(&flight.state((part as f64 + node) * length), carried));
-            let turned = (&b * &a - &a * &b) * (length * length * 3.0_f64.sqrt() / 12.0);
-            let step = ((a + b) * (0.5 * length) + turned).exp();
-            flow = if part == 0 { step } else { step * flow };
-        }
-        flow
+        self.flow_in_parts(from, carried, h, PART)
     }
 
     fn roundings(&self, moved: &Moved<'_, Self::State>) -> DVector<f64> {

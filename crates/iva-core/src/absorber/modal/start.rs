@@ -44,6 +44,12 @@ impl<R: Real, const N: usize, const M: usize> ModalStart<R, N, M> {
         let velocities = filled("velocity", velocities)?;
         Ok(Self { displacements, velocities, gaps })
     }
+
+    /// The start of one mode and one mass.
+    pub(super) fn of_one([x, v]: [R; 2], gap: GapPoint<R>) -> Self {
+        let first = |value| std::array::from_fn(|j| if j == 0 { value } else { R::ZERO });
+        Self { displacements: first(x), velocities: first(v), gaps: [gap; N] }
+    }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {

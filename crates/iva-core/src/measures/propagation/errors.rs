@@ -273,7 +273,7 @@ impl Errors {
         }
         let largest = self.derivative.row(2).amax();
         self.condition = self.condition.max((self.unit / approach) * largest);
-        self.carry(&saltation(system, wall, [&f, &f_after]));
+        self.carry(&saltation(system, [before, after], [&f, &f_after]));
         let speeds = Vector4::new(0.0, f_after[0].abs(), 0.0, f_after[2].abs());
         self.add(UNIT * ROUNDING * speeds);
     }

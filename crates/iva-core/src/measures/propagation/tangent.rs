@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix4, Vector4};
 
+use crate::absorber::Clock;
 use crate::absorber::derivatives::Differentiable;
-use crate::absorber::{Absorber, Clock, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
@@ -12,10 +12,10 @@ use crate::segment::flight::Motion;
 #[inline(always)]
 pub(crate) fn saltation<S: Differentiable>(
     system: &S,
-    wall: Wall,
+    states: [&S::State; 2],
     [before, after]: [&Vector4<f64>; 2],
 ) -> Matrix4<f64> {
-    let jump = system.impact_matrix(wall, before[2].abs());
+    let jump = system.impact_matrix(states);
     let normal = Vector4::new(0.0, 0.0, 1.0 / before[2], 0.0);
     jump + (after - jump * before) * normal.transpose()
 }
@@ -37,13 +37,11 @@ pub struct Tangent {
     volume: f64,
     /// The instant at which the current motion of a linear system has begun, and whether the absorber is stuck.
     begun: (Clock, bool),
-    wall: Wall,
 }
 
 impl Default for Tangent {
     fn default() -> Self {
-        let (begun, wall) = ((Clock::ZERO, false), Wall::Plus);
-        Self { derivative: Matrix4::identity(), volume: 1.0, begun, wall }
+        Self { derivative: Matrix4::identity(), volume: 1.0, begun: (Clock::ZERO, false) }
     }
 }
 
@@ -65,8 +63,8 @@ impl Tangent {
     }
 
     /// At the begin of a run from a state at an instant.
-    pub(crate) fn at<S: Absorber>(system: &S, state: &S::State, time: Clock) -> Self {
-        Self { begun: (time, false), wall: system.wall(state), ..Self::default() }
+    pub(crate) fn at(time: Clock) -> Self {
+        Self { begun: (time, false), ..Self::default() }
     }
 
     #[inline(always)]
@@ -113,18 +111,17 @@ impl Tangent {
         [before, after]: [&S::State; 2],
     ) {
         self.turn(system, before, time, false);
-        self.wall = system.wall(before);
         let rates = [&system.rates(before), &system.rates(after)];
-        self.carry(&saltation(system, self.wall, rates));
+        self.carry(&saltation(system, [before, after], rates));
         // det S = det J nᵀJ⁻¹f⁺/(nᵀf⁻), and an impact does not move the absorber.
-        let jump = system.impact_matrix(self.wall, rates[0][2].abs());
+        let jump = system.impact_matrix([before, after]);
         self.volume *= system.impact_volume(&jump) * (rates[1][2] / rates[0][2]);
     }
 }
 
 impl<S: Differentiable> Observer<S> for Tangent {
-    fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
-        *self = Self::at(system, &from.state, from.time);
+    fn start(&mut self, _system: &S, from: &Instant<S::State>, _duration: f64) {
+        *self = Self::at(from.time);
     }
 
     fn looks_within(&self) -> bool {
@@ -145,8 +142,8 @@ impl<S: Differentiable> Observer<S> for Tangent {
         }
     }
 
-    fn stick(&mut self, system: &S, _from: &Instant<S::State>) {
-        self.carry(&system.stick_matrix(self.wall));
+    fn stick(&mut self, system: &S, from: &Instant<S::State>) {
+        self.carry(&system.stick_matrix(&from.state));
         self.volume = 0.0;
         self.begun.1 = true;
     }

@@ -3,9 +3,9 @@
 use super::errors::Errors;
 use super::lists::Grown;
 use super::tangent::released;
+use crate::absorber::Absorber;
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::derivatives::lists::DifferentiableList;
-use crate::absorber::{Absorber, Wall};
 use crate::engine::observe::Span;
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
@@ -87,9 +87,8 @@ impl<S: Differentiable> Way<S> for ByTangents {
 
     fn stick(errors: &mut Errors, system: &S, from: &Instant<S::State>) {
         let Instant { time, state } = from;
-        // On the wall hit last; a plastic stick at the begin of a run changes nothing. Stick follows an impact at
-        // once: the duration of a summed tail is left out.
-        errors.carry(&system.stick_matrix(errors.wall.unwrap_or(Wall::Plus)));
+        // Stick follows an impact at once: the duration of a summed tail is left out.
+        errors.carry(&system.stick_matrix(state));
         errors.begin::<S>((time.value, system.rates(state)), true);
     }
 

@@ -1,0 +1,107 @@
+//! One member on a structure that moves as one, by four numbers: x, ẋ, y from the middle of its gap and ẏ.
+//!
+//! The derivatives of its motion are those of [`super::linear`], which may know more variables: a mass with a spring or a dashpot is a coordinate
+//! of the structure as well. So a difference of four numbers is spread over all variables, carried, and read again. At a stop on the ground y and ẏ
+//! tell x and ẋ, which are the same motion: the numbers are four, but the state has two dimensions.
+
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
+
+use super::{Modal, ModalStart, ModalState};
+use crate::absorber::Start;
+use crate::absorber::derivatives::Differentiable;
+use crate::absorber::derivatives::lists::DifferentiableList;
+use crate::error::Invalid;
+use crate::host::Host;
+use crate::number::real::Real;
+use crate::segment::flight::GapPoint;
+
+/// Length of the parts of a swing whose derivatives are to some twelve digits, in units of its fastest rate.
+const FINE: f64 = 0.05;
+
+impl<R: Real, const N: usize, const M: usize> From<Start<R>> for ModalStart<R, N, M> {
+    fn from(start: Start<R>) -> Self {
+        let Start { displacement, velocity, gap_displacement: y, gap_velocity: w } = start;
+        Self::of_one([displacement, velocity], GapPoint { y, w })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// Checks that four numbers tell the state, and that nothing holds the member but a wall.
+    ///
+    /// # Errors
+    /// [`Invalid`] if they do not.
+    pub fn check_single(&self) -> Result<(), Invalid> {
+        if self.count() != 1 || !self.structure.moves_as_one() {
+            let rule = "give one absorber on one mode";
+            return Err(Invalid::new("absorber", format!("a list of {}", self.count()), rule));
+        }
+        if self.friction[0] != 0.0 {
+            return Err(Invalid::new("absorber.friction", "one", "leave it out"));
+        }
+        Ok(())
+    }
+}
+
+impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// The indices of x, ẋ, y and ẏ among all variables.
+    fn four(&self) -> [usize; 4] {
+        let n = self.whole.count();
+        [0, n, 2 * n, 2 * n + 1]
+    }
+
+    /// All variables by the four numbers.
+    fn spread(&self) -> DMatrix<f64> {
+        let (begin, four) = (self.derivative_at_begin(), self.four());
+        let mut spread = begin.select_columns(&four);
+        if self.on_ground(0) {
+            // y = −φ₀ q.
+            let over = -1.0 / self.gap_shape(0)[0];
+            spread.fill(0.0);
+            for (column, (own, of_point)) in
+                [(four[2], four[0]), (four[3], four[1])].into_iter().enumerate()
+            {
+                (spread[(own, 2 + column)], spread[(of_point, 2 + column)]) = (1.0, over);
+            }
+        }
+        spread
+    }
+
+    /// The four rows of a derivative, by the four numbers.
+    fn folded(&self, derivative: &DMatrix<f64>) -> Matrix4<f64> {
+        let folded = (derivative * self.spread()).select_rows(&self.four());
+        folded.fixed_view::<4, 4>(0, 0).into()
+    }
+
+    /// −div ż where nothing swings: the same in any state.
+    pub(crate) fn shrinking(&self) -> Option<f64> {
+        let jacobian = || self.folded(&self.jacobian(&self.at_rest(), &[false]));
+        self.is_linear().then(|| -jacobian().trace())
+    }
+
+    fn read(&self, all: &DVector<f64>) -> Vector4<f64> {
+        Vector4::from(self.four().map(|variable| all[variable]))
+    }
+}
+
+impl<H: Host<Real = f64>, const N: usize, const M: usize> Differentiable for Modal<H, N, M> {
+    fn rates(&self, state: &ModalState<H, N, M>) -> Vector4<f64> {
+        self.read(&DifferentiableList::rates(self, state, &[false]))
+    }
+
+    fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
+        self.folded(&self.flow_in_parts(from, &[false], h, FINE))
+    }
+
+    fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
+        self.folded(&self.flow_in_parts(from, &[true], h, FINE))
+    }
+
+    fn impact_matrix(&self, states: [&Self::State; 2]) -> Matrix4<f64> {
+        let flying: &[bool] = &[false];
+        self.folded(&DifferentiableList::impact_matrix(self, &[0], states, [flying; 2]))
+    }
+
+    fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64> {
+        self.folded(&DifferentiableList::stick_matrix(self, stuck, &[true]))
+    }
+}
