@@ -9,7 +9,7 @@ from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.forces import Force, Impulse, listed
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Absorber, Primary, Start, number, numbers, shown
+from iva.parameters import Absorber, Primary, Start, Stop, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
@@ -277,7 +277,7 @@ class Run(RunTables):
         if rows[0]["displacement"] is None:
             end = self.summary["outcome"].item()
             raise ValueError(f"time = {at!r}: the run ended before ({end}); give an earlier one")
-        return state_of(rows, self.start)
+        return state_of(rows, self.absorber, self.start)
 
     @spell_checked
     def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
@@ -549,7 +549,7 @@ def simulate(
 STEEP = 0.5
 
 
-def state_of(rows: Sequence[Mapping[str, Any]], start: Start) -> Start:
+def state_of(rows: Sequence[Mapping[str, Any]], absorber: object, start: Start) -> Start:
     """Return the state of some rows of a trajectory, one an absorber, in a run from a start."""
     row = rows[0]
     reference = start.reference
@@ -563,7 +563,9 @@ def state_of(rows: Sequence[Mapping[str, Any]], start: Start) -> Start:
         place = ("angle", "angular_velocity")
     else:
         place = ("gap_displacement", "gap_velocity")
-    if len(rows) == 1:
+    if isinstance(absorber, Stop):
+        pass  # The structure is where its gap tells.
+    elif len(rows) == 1:
         kept |= {name: row[name] for name in place}
     else:
         kept |= {name: [one[name] for one in rows] for name in place}

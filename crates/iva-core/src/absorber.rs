@@ -74,6 +74,17 @@ pub type Coasted<State, R = f64> = (State, Clock<R>);
 /// The number of steps of a coast, and what it ends in; `None` of none.
 pub type Coasts<State, R = f64> = Option<(usize, Coasted<State, R>)>;
 
+/// A motion so short that it is known at once, up to a contact.
+#[derive(Debug, Clone, Copy)]
+pub struct Hop<State, R = f64> {
+    /// Its length.
+    pub time: R,
+    /// The absorber that meets the wall which it left last.
+    pub absorber: usize,
+    /// The state at the contact, to rounding.
+    pub end: State,
+}
+
 /// An absorber on its primary system.
 ///
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
@@ -200,6 +211,18 @@ pub trait Absorber: ImpactLaw {
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// The next contact, if the motion up to it is so short that it is known at once.
+    fn hop(
+        &self,
+        _state: &Self::State,
+        _remaining: Self::Real,
+    ) -> Option<Hop<Self::State, Self::Real>> {
+        None
+    }
+    /// The motion of a hop of this length.
+    fn hopping(&self, state: &Self::State, _time: Self::Real) -> Self::Flight<'_> {
+        self.flight(state)
+    }
     /// True if flights that begin at a wall coast too, before they are searched.
     const LEAPS: bool = false;
     /// How many steps (of one length, or pieces of a record) a flight is proved to go on without meeting a wall

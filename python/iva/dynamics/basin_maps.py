@@ -15,7 +15,7 @@ from iva.dynamics.inventories import Attractors
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
 from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
@@ -46,7 +46,7 @@ class Basins:
 
     Parameters
     ----------
-    absorber : Siva or Piva
+    absorber : Siva, Piva or Stop
         The absorber.
     primary : Primary
         The primary system.
@@ -92,7 +92,7 @@ class Basins:
     (2, 3)
     """
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     start: Start
@@ -174,7 +174,7 @@ class Basins:
 
 @spell_checked
 def basins(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -190,8 +190,8 @@ def basins(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -248,7 +248,7 @@ def basins(
     ((8, 12), 2)
     """
     names, values = plane(over)
-    begin = Start() if start is None else start_of(start)
+    begin = Start() if start is None else start_of(start, absorber)
     made = scene(absorber, primary, begin, force, {})
     warn_of_doubts(made)
     given = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start
+from iva.parameters import Absorber, Primary, Start
 from iva.scenes import scene
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Scene:
     """The scene of a branch, with the number that is changed."""
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     start: Start

@@ -10,7 +10,7 @@ from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import NAMES, start_of, whole
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
 from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
@@ -61,7 +61,7 @@ class Diagram:
 
     Parameters
     ----------
-    absorber : Siva or Piva
+    absorber : Siva, Piva or Stop
         The absorber; the number that is changed has the value of the scene that was given.
     primary : Primary
         The primary system.
@@ -88,7 +88,7 @@ class Diagram:
     [20, 20, 20, 20, 20, 20]
     """
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     start: Start
@@ -136,7 +136,7 @@ class Diagram:
 
 @spell_checked
 def diagram(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -154,8 +154,8 @@ def diagram(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -210,7 +210,7 @@ def diagram(
     name, values = axis_of(over)
     if direction not in DIRECTIONS:
         raise ValueError(f"direction = {shown(direction)}: give 'both', 'up' or 'down'")
-    begin = Start() if start is None else start_of(start)
+    begin = Start() if start is None else start_of(start, absorber)
     made = scene(absorber, primary, begin, force, {})
     warn_of_doubts(made)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("keep", keep, 1, MOST_CYCLES))

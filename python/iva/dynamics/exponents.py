@@ -11,7 +11,7 @@ from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.parameters import Absorber, Primary, Start, spec
 from iva.progress import reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
@@ -39,7 +39,7 @@ class Spectrum:
 
     Parameters
     ----------
-    absorber : Siva or Piva
+    absorber : Siva, Piva or Stop
         The absorber.
     primary : Primary
         The primary system.
@@ -72,7 +72,7 @@ class Spectrum:
         The box of the starts: displacement, velocity, gap displacement and gap velocity.
     """
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     exponents: Numbers
@@ -115,7 +115,7 @@ class Spectrum:
 
 @spell_checked
 def lyapunov(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -131,8 +131,8 @@ def lyapunov(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -187,7 +187,7 @@ def lyapunov(
     """
     if start is not None and box is not None:
         raise ValueError("box: give it without a start, or a start without it")
-    begin = Start() if start is None else start_of(start)
+    begin = Start() if start is None else start_of(start, absorber)
     made = scene(absorber, primary, begin, force, {})
     warn_of_doubts(made)
     count = whole("seeds", seeds, 1, MOST_STARTS)

@@ -12,7 +12,7 @@ from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.parameters import Absorber, Primary, Start, spec
 from iva.progress import reporting
 from iva.scene_lines import scene_lines
 from iva.scenes import scene
@@ -67,7 +67,7 @@ class Attractors:
 
     Parameters
     ----------
-    absorber : Siva or Piva
+    absorber : Siva, Piva or Stop
         The absorber.
     primary : Primary
         The primary system.
@@ -104,7 +104,7 @@ class Attractors:
     ['++-']
     """
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     attractors: tuple[Attractor, ...]
@@ -195,7 +195,7 @@ class Attractors:
 
 @spell_checked
 def attractors(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -210,8 +210,8 @@ def attractors(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic

@@ -11,7 +11,7 @@ from iva.dynamics.exponents import Spectrum, lyapunov
 from iva.dynamics.inventories import attractors, binomial
 from iva.dynamics.orbits import Orbit
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva
+from iva.parameters import Absorber, Primary
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 QUIET = 0.005
 #: Periods that are looked at for it.
 LOOKED_AT = 4000
+#: The ways to give a clearance.
+CLEARANCES = ("clearance", "clearance_mm", "gap", "gap_mm", "relative_clearance")
 #: Most runs for the exponents of a motion that is not periodic.
 RUNS = 8
 
@@ -68,7 +70,7 @@ class Regime:
 
 @spell_checked
 def regimes(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -83,8 +85,8 @@ def regimes(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -151,8 +153,8 @@ def regimes(
         spectrum = lyapunov(
             *scene, force=force, start=begin, cycles=cycles, discard=most_cycles, seeds=RUNS
         )
-        # One value of a number that every absorber has: the scene itself.
-        by = "mass_ratio" if absorber.mass_ratio is not None else "mass"
+        # One value of a number that the absorber has: the scene itself.
+        by = next(name for name in CLEARANCES if getattr(absorber, name) is not None)
         strobes = diagram(
             *scene,
             force=force,

@@ -6,7 +6,7 @@ from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
 from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.parameters import Absorber, Primary, Start, spec
 from iva.scene_lines import scene_lines
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -181,7 +181,7 @@ class Orbit:
     [(3.0055, 1), (6.1471, -1)]
     """
 
-    absorber: Siva | Piva
+    absorber: Absorber
     primary: Primary
     force: Harmonic
     periods: int

@@ -8,7 +8,7 @@ from iva import _iva, theory
 from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
 from iva.forces import Harmonic, listed
-from iva.parameters import Piva, Primary, Siva, Start, numbers, shown
+from iva.parameters import Absorber, Primary, Start, Stop, numbers, shown
 from iva.scenes import scene
 from iva.simulation import Run, state_of, truth
 from iva.spelling import spell_checked
@@ -29,7 +29,7 @@ NAMES = ("displacement", "velocity", "gap_displacement", "gap_velocity")
 
 @spell_checked
 def orbit(
-    absorber: Siva | Piva,
+    absorber: Absorber,
     primary: Primary,
     *,
     force: Harmonic | Sequence[Harmonic],
@@ -43,8 +43,8 @@ def orbit(
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        A free mass, or a pendulum.
+    absorber : Siva, Piva or Stop
+        A free mass, a pendulum, or a stop on the ground; without friction.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -102,7 +102,7 @@ def orbit(
     >>> round(abs(found.multipliers[0]), 6)
     0.722149
     """
-    begin = start_of(start)
+    begin = start_of(start, absorber)
     forces = listed(force)
     made = scene(absorber, primary, begin, forces, {})
     warn_of_doubts(made)
@@ -120,7 +120,7 @@ def orbit(
 
 def orbit_of(
     found: dict[str, Any],
-    parts: tuple[Siva | Piva, Primary, Harmonic],
+    parts: tuple[Absorber, Primary, Harmonic],
     periods: int,
     begin: Start,
 ) -> Orbit | Missed:
@@ -129,7 +129,7 @@ def orbit_of(
         return Missed(**found)
     absorber, primary, force = parts
     reference = begin if given_relative(absorber) else None
-    here = course(found.pop("course"), reference)
+    here = course(found.pop("course"), absorber, reference)
     image = found.pop("mirrored")
     for name in ("multipliers", "half_multipliers"):
         pairs = found[name]
@@ -146,30 +146,30 @@ def orbit_of(
         impacts=here.impacts,
         episodes=here.episodes,
         walls=here.walls,
-        image=None if image is None else course(image, reference),
+        image=None if image is None else course(image, absorber, reference),
         **found,
     )
 
 
-def course(made: dict[str, Any], reference: Start | None) -> Course:
+def course(made: dict[str, Any], absorber: Absorber, reference: Start | None) -> Course:
     """Return a cycle that the compiled part describes; `reference` is of a relative clearance."""
     row = made["state"]
     return Course(
         state=tuple(row[name] for name in NAMES),
-        start=state_of([row], REST if reference is None else reference),
+        start=state_of([row], absorber, REST if reference is None else reference),
         impacts=tuple(Impact(**fields) for fields in made["impacts"]),
         episodes=tuple(Episode(**fields) for fields in made["episodes"]),
         walls=made["walls"],
     )
 
 
-def given_relative(absorber: Siva | Piva) -> bool:
+def given_relative(absorber: Absorber) -> bool:
     """Return whether the clearance is a multiple of a displacement."""
     return absorber.relative_clearance is not None
 
 
-def start_of(start: object) -> Start:
-    """Return the start that a search begins with.
+def start_of(start: object, absorber: Absorber) -> Start:
+    """Return the start that a search begins with; a stop has no gap of its own.
 
     Raises
     ------
@@ -183,13 +183,16 @@ def start_of(start: object) -> Start:
     if isinstance(start, (theory.Orbit, Orbit)):
         return start.start
     if isinstance(start, Run):
-        return state_of([start.trajectory(1).row(-1, named=True)], start.start)
+        row = start.trajectory(1).row(-1, named=True)
+        return state_of([row], start.absorber, start.start)
     if isinstance(start, Iterable) and not isinstance(start, str):
         values = numbers("start", start)
         if len(values) != len(NAMES):
             rule = f"give {', '.join(NAMES)}"
             raise ValueError(f"start has {len(values)} numbers: {rule}")
-        return Start(**dict(zip(NAMES, values, strict=True)))
+        given = dict(zip(NAMES, values, strict=True))
+        kept = NAMES[:2] if isinstance(absorber, Stop) else NAMES
+        return Start(**{name: given[name] for name in kept})
     rule = "give an iva.Start, four numbers, a run or an orbit"
     raise TypeError(f"start = {shown(start)}: {rule}")
 

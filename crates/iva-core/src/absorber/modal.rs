@@ -85,6 +85,7 @@ mod followed;
 mod forms;
 mod friction;
 mod ground;
+mod hops;
 pub mod impact_law;
 mod leaps;
 mod linear;

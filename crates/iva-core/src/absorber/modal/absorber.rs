@@ -4,7 +4,9 @@ use super::state::{Modes, Place};
 use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
 use crate::absorber::chatter::Back;
 use crate::absorber::impact::{self, Impact};
-use crate::absorber::{Aboard, Absorber, Angle, Clock, Coasted, Coasts, OnStructure as _, Wall};
+use crate::absorber::{
+    Aboard, Absorber, Angle, Clock, Coasted, Coasts, Hop, OnStructure as _, Wall,
+};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::compensated::DoubleDouble;
@@ -229,6 +231,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
 
     fn ride(&self, state: &Self::State) -> ModalMotion<'_, H, N, M> {
         ModalMotion::new(self, state)
+    }
+
+    fn hop(&self, state: &Self::State, remaining: R) -> Option<Hop<Self::State, R>> {
+        self.hopped(state, remaining)
+    }
+
+    fn hopping(&self, state: &Self::State, time: R) -> ModalMotion<'_, H, N, M> {
+        ModalMotion::within(self, state, Some(time))
     }
 
     const LEAPS: bool = true;

@@ -58,14 +58,24 @@ struct Expansion<'a, R> {
 
 impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion<'a, H, N, M> {
     pub(super) fn new(system: &'a Modal<H, N, M>, from: &ModalState<H, N, M>) -> Self {
+        Self::within(system, from, None)
+    }
+
+    /// The motion within a time that is proved already, if one is given.
+    pub(super) fn within(
+        system: &'a Modal<H, N, M>,
+        from: &ModalState<H, N, M>,
+        proved: Option<R>,
+    ) -> Self {
         let regime = system.regime(&from.places);
         let swings = system.swings() && system.swinging(&from.places).next().is_some();
         let longest = if swings { system.longest_swing(from) } else { system.reach };
         let unit = R::power_of_two(longest);
         let oscillation = system.oscillating(from).map(Oscillating::motion);
-        let reach = match &oscillation {
-            Some(it) => it.reach(),
-            None => {
+        let reach = match (&oscillation, proved) {
+            (_, Some(proved)) => proved,
+            (Some(it), _) => it.reach(),
+            (None, None) => {
                 let smooth = system.host.smooth_for(&from.phase);
                 if smooth <= longest { smooth } else { longest }
             }
@@ -84,7 +94,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
             expansion,
             seen,
         };
-        if swings {
+        if swings && proved.is_none() {
             motion.prove();
         }
         motion

@@ -8,7 +8,7 @@
 
 use super::{Run, is_finite, presses};
 use crate::absorber::chatter::{Rebound, is_nothing};
-use crate::absorber::{Absorber, Clock};
+use crate::absorber::{Absorber, Clock, Hop};
 use crate::engine::counts::{Counts, Streak};
 use crate::engine::observe::{Observer, StickEpisode};
 use crate::engine::tally::{OfAbsorber, Tally};
@@ -190,6 +190,13 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             // As a stretch of no length, so that a run of impacts at one instant has an end.
             self.progress.counts.work += 1.0;
             self.strike_all();
+            return true;
+        }
+        if let Some(Hop { time, absorber, end }) = system.hop(&self.tally.state, remaining) {
+            let hop = system.hopping(&self.tally.state, time);
+            self.turn_to(absorber);
+            self.arrive(&hop, [time, R::ZERO], &system.turned_to(&end, absorber), false);
+            self.meet(Side::Near);
             return true;
         }
         let remaining = self.coasted_first(remaining);
