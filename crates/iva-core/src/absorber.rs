@@ -140,6 +140,10 @@ pub trait Absorber: ImpactLaw {
     fn others_meet(&self, _state: &Self::State, _time: Self::Real) -> bool {
         false
     }
+    /// True if another absorber is stuck to its wall, or has just left it.
+    fn others_touch(&self, _state: &Self::State) -> bool {
+        false
+    }
     /// The size of the velocities of the structure at the point of the absorber at hand.
     fn speeds(&self, _state: &Self::State) -> Self::Real {
         Self::Real::ZERO
@@ -211,6 +215,10 @@ pub trait Absorber: ImpactLaw {
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// Which absorbers are stuck and press on their walls, one bit each, as far as that is seen of all at once.
+    fn surely_pressing(&self, _state: &Self::State) -> u64 {
+        0
+    }
     /// The next contact, if the motion up to it is so short that it is known at once.
     fn hop(
         &self,

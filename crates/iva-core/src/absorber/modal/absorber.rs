@@ -153,6 +153,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         (0..self.count()).any(|k| meets(&k))
     }
 
+    fn others_touch(&self, state: &Self::State) -> bool {
+        let at_hand = self.index(state.at_hand.into());
+        let touches =
+            |place: &Place<R>| !place.held && (place.stuck || place.distance.value == 0.0);
+        (0..self.count()).any(|k| k != at_hand && touches(&state.places[k]))
+    }
+
     /// That of all its energy in the motion of the gap.
     fn speeds(&self, state: &Self::State) -> R {
         let Modes { places, velocities } = &state.modes;
@@ -233,6 +240,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         ModalMotion::new(self, state)
     }
 
+    fn surely_pressing(&self, state: &Self::State) -> u64 {
+        if self.oscillates() { 0 } else { self.pressed_by(state) }
+    }
+
     fn hop(&self, state: &Self::State, remaining: R) -> Option<Hop<Self::State, R>> {
         self.hopped(state, remaining)
     }
@@ -302,8 +313,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Absorber for Mo
         }
         let (at_hand, mass, place) = self.at_hand_of(state);
         let met = place.measured_from(wall, mass);
-        let acceleration = self.shaken(state, at_hand)[0];
-        let later = impact::delay(met.distance.value, met.rate.value, met.side * acceleration);
+        let [acceleration, later] = match met.distance.value {
+            none if none == 0.0 => [R::ZERO; 2],
+            left => {
+                let a = self.shaken(state, at_hand)[0];
+                [a, impact::delay(left, met.rate.value, met.side * a)]
+            }
+        };
         let met = met.moved(later, acceleration);
         let mut touching = *state;
         self.move_on(&mut touching, later, &|k| k == at_hand);

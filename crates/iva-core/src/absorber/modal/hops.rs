@@ -104,6 +104,26 @@ impl<R: Real> Path<R> {
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// Which members are stuck and press on their walls by more than rounding, one bit each.
+    pub(super) fn pressed_by(&self, state: &ModalState<H, N, M>) -> u64 {
+        let stuck = |k: &usize| state.places[*k].stuck && self.friction[*k] == 0.0;
+        let all = (0..self.count()).filter(stuck);
+        if !R::FAST_PATHS || all.clone().count() < 2 {
+            return 0;
+        }
+        let pushes = self.pushes(&state.phase, R::ONE);
+        let asides = self.asides(&state.phase, R::ONE, 2);
+        let regime = self.regime(&state.places);
+        let grown = self.grown(state, &regime, (&pushes, asides.as_slice()), R::ONE, (2, 0));
+        let presses = |k: &usize| {
+            let place = &state.places[*k];
+            let curved = self.curved(&grown, (*k, place), |m| pushes(m)[1], (R::ONE, 2));
+            let least = self.terms(state, *k) * (R::EPSILON * SAFE * SAFE);
+            -place.side * curved.plain(2) * 2.0 > least
+        };
+        all.filter(presses).fold(0, |set, k| set | 1 << k)
+    }
+
     /// The next contact, if it is at the end of a hop.
     pub(super) fn hopped(
         &self,
@@ -169,13 +189,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             }
             let own = second + bend * time;
             let exact = *third * time.powi(4) <= own * (R::EPSILON * 120.0);
-            let clear = k == absorber || paths[k].clears(later);
-            exact && clear && self.masses[k].half_play() > first + own * later
+            // One that is there at the same instant touches its wall with it (`Absorber::touch`).
+            let together = paths[k].at(time).abs() <= own * time * (R::EPSILON * SAFE)
+                && paths[k].rate(time) < 0.0;
+            let settled = k == absorber || together || paths[k].clears(later);
+            exact && settled && self.masses[k].half_play() > first + own * later
         };
         if !members().all(seen) {
             return None;
         }
-        Some(Hop { time, absorber, end: self.after_hop(state, &grown, &paths, time) })
+        let mut end = self.after_hop(state, &grown, &paths, time);
+        // What the polynomial leaves of it is rounding.
+        end.places[absorber].distance = DoubleDouble::ZERO;
+        Some(Hop { time, absorber, end })
     }
 
     /// The state after a hop.

@@ -340,8 +340,12 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Asks each absorber once; true if one has left its wall.
     fn settle_each(&mut self) -> bool {
         let mut left = false;
+        let mut pressing = self.system.surely_pressing(&self.tally.state);
         for absorber in 0..self.system.absorbers() {
             if self.rides(absorber) {
+                if pressing >> absorber & 1 == 1 {
+                    continue;
+                }
                 self.turn_to(absorber);
                 let state = self.tally.state;
                 if self.system.is_stuck(&state) && presses(&self.system.distance(&state)) {
@@ -350,6 +354,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 self.tally.state = self.system.freed(&state);
                 self.let_go();
                 left = true;
+                pressing = self.system.surely_pressing(&self.tally.state);
             }
             let [distance, rate] = self.system.approach_of(&self.tally.state, absorber);
             if distance == 0.0 && rate >= 0.0 {

@@ -84,8 +84,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             power: law.falling(),
             back: self.system.back(state),
         };
-        // Tests first without D⁗, which is expensive: most rebounds are far too high.
-        let mut low = rebound.summable();
+        // Tests first without D⁗, which is expensive: most rebounds are far too high, or one of several.
+        let mut low = rebound.summable() && !self.system.others_touch(state);
         if low {
             let flight = self.system.flight(state);
             rebound.fourth = flight.fourth();
