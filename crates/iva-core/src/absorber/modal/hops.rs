@@ -237,3 +237,54 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         end
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The fractional parts of multiples of an irrational number.
+    fn spread(i: u32, k: u32) -> f64 {
+        (f64::from(i) * f64::from(2 * k + 3).sqrt()).fract()
+    }
+
+    /// Paths that return to a planted instant t from their wall or from above it: found there, not before, and nothing is seen of another one.
+    #[test]
+    fn a_planted_contact_is_found_and_nothing_before_it() {
+        for i in 1..4000 {
+            let t = 10_f64.powf(-4.0 - 10.0 * spread(i, 0));
+            let [second, third, fourth] = [1, 2, 3].map(|k| 2.0 * spread(i, k) - 1.0);
+            // D/(t − τ) is a polynomial without another root up to t.
+            let above = if i.is_multiple_of(2) { 0.0 } else { spread(i, 4) * t };
+            let bend = -(0.2 + second.abs());
+            let [third, fourth] = [third * 0.5, fourth * 0.5];
+            // D = (t − τ)(a + b τ + c τ² + d τ³) with a + b τ > 0.
+            let [a, b, c, d] = [above * 0.5, -bend, third, fourth];
+            let powers = [a * t, b * t - a, c * t - b, d * t - c, -d];
+            let path = Path { powers, third: 1.0 };
+            let Some(guess) = path.met() else { continue };
+            let found = path.refined(guess);
+            assert!((found / t - 1.0).abs() < 1e-13, "{i}: {found} {t}");
+            assert!(path.clears(t * 0.99), "{i}");
+            assert!(!path.clears(t * 1.01), "{i}");
+        }
+    }
+
+    /// Where a path is said to be clear it is above its wall at all instants.
+    #[test]
+    fn a_clear_path_meets_nothing() {
+        let (mut clear, mut all) = (0, 0);
+        for i in 1..20_000 {
+            let t = 10_f64.powf(-6.0 * spread(i, 0));
+            let [rate, bend, third, fourth] = [1, 2, 3, 4].map(|k| 2.0 * spread(i, k) - 1.0);
+            let distance = if i.is_multiple_of(3) { 0.0 } else { spread(i, 5) * t };
+            let path = Path { powers: [distance, rate, bend, third, fourth], third: 0.0 };
+            all += 1;
+            if path.clears(t) {
+                clear += 1;
+                let instants = (1..=400).map(|k| t * f64::from(k) / 400.0);
+                assert!(instants.map(|at| path.at(at)).all(|distance| distance > 0.0), "{i}");
+            }
+        }
+        assert!(clear > all / 4, "{clear} of {all}");
+    }
+}
