@@ -142,9 +142,11 @@ pub struct Carried {
 }
 
 impl Carried {
-    fn new() -> Self {
+    /// Of four numbers that are those of fewer dimensions the last tell the others.
+    fn new(dimension: usize) -> Self {
         let outcome = Outcome::Cancelled;
-        let differences = Matrix4::identity();
+        let first = |column: usize| Vector4::ith((column + dimension) % 4, 1.0);
+        let differences = Matrix4::from_columns(&[0, 1, 2, 3].map(first));
         Self { differences, seen: 0, blocks: vec![], lost: 0, outcome }
     }
 
@@ -235,10 +237,12 @@ pub fn carried<S: Iterated + Coordinates>(
         let rule = format!("keep at least 1 cycle, and run at most {MOST_CYCLES}");
         return Err(Invalid::new("window.keep", window.keep.to_string(), rule));
     }
-    let mut all: Vec<Carried> = trajectories.iter().map(|_| Carried::new()).collect();
+    let dimension = |index: usize| trajectories[index].system.dimension();
+    let mut all: Vec<Carried> =
+        (0..trajectories.len()).map(|index| Carried::new(dimension(index))).collect();
     let request = Request { tangents: true, cancel };
     iterate(trajectories, request, &mut |index, image| {
-        all[index].take(image, window, trajectories[index].system.dimension())
+        all[index].take(image, window, dimension(index))
     })?;
     Ok(all)
 }
