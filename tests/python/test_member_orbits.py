@@ -9,8 +9,8 @@ import pytest
 import iva
 from iva import dynamics
 
-PRIMARY = iva.Primary(damping_ratio=0.02)
-FORCE = iva.Harmonic(amplitude=0.5, frequency=1.0)
+PRIMARY = iva.Primary(damping_ratio=0.05)
+FORCE = iva.Harmonic(amplitude=1.0, frequency=1.0)
 E, OMEGA = 0.8, 2.4
 
 
@@ -61,23 +61,23 @@ def test_the_impact_oscillator_doubles_its_period_where_the_closed_form_does() -
 
 MEMBERS = {
     "dashpot": iva.Siva(
-        mass_ratio=0.1, clearance=0.8, restitution=0.6, gap_damping_ratio=0.004, spring_ratio=0.1
+        mass_ratio=0.2, clearance=4.5, restitution=0.7, gap_damping_ratio=0.004, spring_ratio=0.1
     ),
     "one wall": iva.Siva(
         mass_ratio=0.1,
-        clearance=0.8,
-        restitution=0.6,
+        clearance=4.5,
+        restitution=0.4,
         walls="minus",
         inclination_deg=20,
-        gravity=0.4,
+        gravity=8.0,
     ),
-    "stop": iva.Stop(clearance=0.8, restitution=0.6, walls="minus"),
+    "stop": iva.Stop(clearance=1.0, restitution=0.7, walls="minus"),
     "upright": iva.Piva(
         mass_ratio=0.1,
-        clearance=0.8,
-        restitution=0.6,
+        clearance=4.5,
+        restitution=0.3,
         frequency_ratio=0.5,
-        length=3.0,
+        length=11.25,
         inclination_deg=80,
     ),
 }
@@ -122,14 +122,14 @@ def test_two_exponents_of_a_stop_are_lost() -> None:
 @pytest.mark.parametrize("name", ["dashpot", "stop"])
 def test_basins_and_diagrams(name: str) -> None:
     member = MEMBERS[name]
-    axes = {"displacement": [-0.5, 0.0, 0.5], "velocity": [-1.0, 0.0, 1.0]}
+    axes = {"displacement": [-0.5, 0.0, 0.5], "velocity": [-5.0, 0.0, 5.0]}
     map_ = dynamics.basins(member, PRIMARY, force=FORCE, over=axes, most_cycles=1500)
     assert (map_.labels >= 0).sum() + (map_.labels == -2).sum() >= 6
     strobes = dynamics.diagram(
         member,
         PRIMARY,
         force=FORCE,
-        over={"absorber.clearance": [0.7, 0.8, 0.9]},
+        over={"absorber.clearance": [1.0, 2.0, 4.5]},
         discard=200,
         keep=3,
     )
@@ -139,8 +139,6 @@ def test_basins_and_diagrams(name: str) -> None:
 
 
 def test_friction_has_no_orbits_yet() -> None:
-    rubs = iva.Siva(
-        mass_ratio=0.1, clearance=0.8, restitution=0.6, friction=0.1, gravity=1.0, spring_ratio=0.1
-    )
+    rubs = iva.Siva(mass_ratio=0.1, clearance=0.8, restitution=0.6, friction=0.1, gravity=1.0)
     with pytest.raises(ValueError, match="friction"):
         dynamics.orbit(rubs, PRIMARY, force=FORCE, start=iva.Start())
