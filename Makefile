@@ -130,8 +130,9 @@ bench-modes: target/bench/.installed ## compare five masses on 20 modes with MuJ
 bench-lists: target/bench/.installed ## compare lists of absorbers, and a dashpot in the gap, with SciPy
 	target/bench/bin/python benches/compare_lists.py
 
-bench-terms: target/bench/.installed ## compare springs, dashpots, friction, lists, modes and forces with heyoka
+bench-terms: target/bench/.installed ## compare springs, dashpots, friction, lists, modes, pendulums and stops with heyoka
 	target/bench/bin/python benches/compare_terms.py
+	target/bench/bin/python benches/compare_members.py
 
 # The other integrators have an environment of their own.
 target/bench/.installed: $(VENV)/.installed

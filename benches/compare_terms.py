@@ -356,33 +356,43 @@ def fastest(call: Callable[[], Any], calls: int) -> float:
     return min(spent)
 
 
-def main() -> None:
-    """Print a row a kind."""
+def compared(
+    ours: tuple[Callable[[], Any], Callable[[], Any]],
+    theirs: list[Callable[[], list[int]]],
+    calls: int,
+) -> str:
+    """Return the row of two sweeps of iva, counts alone and all measures, and those of heyoka."""
+    summary = ours[0]()
+    calm = (summary["episodes"] == 0).to_numpy()
+    times, other = [], 0
+    for peer in theirs:
+        found = np.array(peer())
+        other = int((found[calm] != summary["impacts"].to_numpy()[calm]).sum())
+        times.append(fastest(peer, calls))
+    counts, everything, best = *(fastest(sweep, calls) for sweep in ours), min(times)
+    shown = [1e6 / len(RESTITUTIONS) * spent for spent in (counts, everything, best)]
+    cells = [f"{micro:.1f}" for micro in shown]
+    cells += [f"{best / spent:.2f}" for spent in (counts, everything)]
+    return " | ".join([*cells, f"{other} of {calm.sum()} |"])
+
+
+def table(kinds: dict[str, Any], row: Callable[[Any, int], str]) -> None:
+    """Print a row for each kind that is asked for."""
     arguments = sys.argv[1:]
     calls = 1 if "--quick" in arguments else CALLS
-    chosen = [argument for argument in arguments if argument in KINDS] or list(KINDS)
+    chosen = [argument for argument in arguments if argument in kinds] or list(kinds)
     head = "| kind | us a run, counts | all measures | heyoka | over counts | over all |"
     print(f"{head} other counts |")
     print("|---|--:|--:|--:|--:|--:|--:|")
     for name in chosen:
-        kind = KINDS[name]
-        counts, everything = with_iva(kind, measures=("impacts", "episodes")), with_iva(kind)
-        summary = counts()
-        calm = (summary["episodes"] == 0).to_numpy()
-        times, other = [], 0
-        for tolerance, lanes in MODES:
-            peer = with_heyoka(kind, tolerance, lanes)
-            found = np.array(peer())
-            other = int((found[calm] != summary["impacts"].to_numpy()[calm]).sum())
-            times.append(fastest(peer, calls))
-        per_run = 1e6 / len(RESTITUTIONS)
-        ours, all_of_it, theirs = fastest(counts, calls), fastest(everything, calls), min(times)
-        print(
-            f"| {name} | {ours * per_run:.1f} | {all_of_it * per_run:.1f} | {theirs * per_run:.1f} "
-            f"| {theirs / ours:.2f} | {theirs / all_of_it:.2f} | {other} of {calm.sum()} |",
-            flush=True,
-        )
+        print(f"| {name} | {row(kinds[name], calls)}", flush=True)
+
+
+def row(kind: Kind, calls: int) -> str:
+    """Return the row of a kind."""
+    ours = (with_iva(kind, measures=("impacts", "episodes")), with_iva(kind))
+    return compared(ours, [with_heyoka(kind, *mode) for mode in MODES], calls)
 
 
 if __name__ == "__main__":
-    main()
+    table(KINDS, row)
