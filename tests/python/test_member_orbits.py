@@ -138,7 +138,17 @@ def test_basins_and_diagrams(name: str) -> None:
     assert sum(one.share for one in kinds) == pytest.approx(1.0)
 
 
-def test_friction_has_no_orbits_yet() -> None:
-    rubs = iva.Siva(mass_ratio=0.1, clearance=0.8, restitution=0.6, friction=0.1, gravity=1.0)
+def test_what_rubs_has_orbits_but_no_branches() -> None:
+    rubs = iva.Siva(mass_ratio=0.2, clearance=4.5, restitution=0.7, friction=0.05, gravity=1.0)
+    found = dynamics.attractors(rubs, PRIMARY, force=FORCE, starts=6, most_cycles=2000)
+    orbit = found.attractors[0].orbit
+    end = orbit.run().state_at(orbit.period)
+    assert end.displacement == pytest.approx(orbit.start.displacement, abs=1e-9)
+    verified = dynamics.orbit(
+        rubs, PRIMARY, force=FORCE, start=orbit, periods=orbit.periods, verify=True
+    )
+    assert verified
+    assert verified.state_error is not None
+    assert verified.state_error < 1e-12
     with pytest.raises(ValueError, match="friction"):
-        dynamics.orbit(rubs, PRIMARY, force=FORCE, start=iva.Start())
+        dynamics.follow(orbit, over="clearance", between=(3.0, 6.0))

@@ -346,7 +346,7 @@ def follow(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If the scene does not have the number, or the range is not one of it.
+        If the scene does not have the number, or the range is not one of it, or something rubs.
     KeyboardInterrupt
         On Ctrl-C before there is a second point. Later it ends the branch with what it has, within
         about a second, and `ends` say ``"cancelled"``.

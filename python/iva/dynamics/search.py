@@ -44,7 +44,7 @@ def orbit(
     Parameters
     ----------
     absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground; without friction.
+        A free mass, a pendulum, or a stop on the ground.
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic

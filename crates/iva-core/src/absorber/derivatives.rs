@@ -56,6 +56,16 @@ pub trait Differentiable: Absorber<Real = f64> {
     /// Derivative of the state at the end of a chatter, in which the absorber is stuck, with respect to that after one of its
     /// rebounds.
     fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64>;
+    /// Derivative of the state after a stop in the gap of an absorber that rubs, between two states, with respect to that before.
+    fn stop_matrix(&self, states: [&Self::State; 2]) -> Matrix4<f64> {
+        let [before, after] = states.map(|state| self.rates(state));
+        let normal = Vector4::new(0.0, 0.0, 0.0, 1.0 / before[3]);
+        Matrix4::identity() + (after - before) * normal.transpose()
+    }
+    /// Derivative of the state where friction lets the absorber go, with respect to that before.
+    fn slip_matrix(&self, _sliding: &Self::State) -> Matrix4<f64> {
+        Matrix4::identity()
+    }
     /// Error of y per rounding of the position at a state: 1, or cosθ where the position is computed from
     /// cosθ.
     fn sharpness(&self, _state: &Self::State) -> f64 {

@@ -91,6 +91,16 @@ impl<S: Coordinates> Observer<S> for Rounding {
         self.joined(system, &from.state, UNIT);
     }
 
+    fn stop(&mut self, system: &S, time: f64, states: [&S::State; 2]) {
+        self.factor.stop(system, time, states);
+        self.joined(system, states[1], UNIT);
+    }
+
+    fn slip(&mut self, system: &S, from: &Instant<S::State>) {
+        self.factor.slip(system, from);
+        self.joined(system, &from.state, UNIT);
+    }
+
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
         self.factor.end(system, tally);
         self.joined(system, &tally.state, UNIT);

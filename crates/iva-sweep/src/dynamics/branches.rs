@@ -15,6 +15,7 @@ use iva_core::orbit::{Coordinates, Trajectory};
 use super::family::{Family, OfMember, changeable, middled, with_member};
 use super::{Found, Missed, Tracker, told};
 use crate::design::Spec;
+use crate::fields::FieldId;
 use crate::slot::Slot;
 
 pub use iva_core::absorber::Wall;
@@ -121,6 +122,10 @@ fn check(spec: &Spec, slots: &[Slot], between: &[[f64; 2]]) -> Result<(), Invali
             let shown = format!("({}, {})", number(*low), number(*high));
             return Err(Invalid::new("between", shown, "give two numbers, the smaller one first"));
         }
+    }
+    if let Some(value) = spec.get(FieldId::Friction).filter(|value| *value != 0.0) {
+        let rule = "branches are those of an absorber without friction; leave it out";
+        return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
     }
     slots.iter().try_for_each(|slot| changeable(*slot))?;
     for end in [0, 1] {

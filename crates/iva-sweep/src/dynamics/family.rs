@@ -164,10 +164,6 @@ fn harmonic(force: &Force) -> Option<Harmonic> {
 
 /// Checks that there is an absorber, and one harmonic drive.
 fn check_kind(spec: &Spec) -> Result<(), Invalid> {
-    if let Some(value) = spec.get(FieldId::Friction).filter(|value| *value != 0.0) {
-        let rule = "orbits are those of an absorber without friction; leave it out";
-        return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
-    }
     let shocks = [FieldId::StartImpulse, FieldId::StartImpulseVelocity];
     if let Some((field, value)) = shocks.iter().find_map(|it| Some((it, spec.get(*it)?))) {
         let rule = "an orbit has no shock at its start; leave it out";

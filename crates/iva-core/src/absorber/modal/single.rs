@@ -26,7 +26,7 @@ impl<R: Real, const N: usize, const M: usize> From<Start<R>> for ModalStart<R, N
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
-    /// Checks that four numbers tell the state, and that nothing holds the member but a wall.
+    /// Checks that four numbers tell the state.
     ///
     /// # Errors
     /// [`Invalid`] if they do not.
@@ -34,9 +34,6 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if self.count() != 1 || !self.structure.moves_as_one() {
             let rule = "give one absorber on one mode";
             return Err(Invalid::new("absorber", format!("a list of {}", self.count()), rule));
-        }
-        if self.friction[0] != 0.0 {
-            return Err(Invalid::new("absorber.friction", "one", "leave it out"));
         }
         Ok(())
     }
@@ -72,10 +69,10 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
         folded.fixed_view::<4, 4>(0, 0).into()
     }
 
-    /// −div ż where nothing swings: the same in any state.
+    /// −div ż where nothing swings or rubs: the same in any state.
     pub(crate) fn shrinking(&self) -> Option<f64> {
         let jacobian = || self.folded(&self.jacobian(&self.at_rest(), &[false]));
-        self.is_linear().then(|| -jacobian().trace())
+        (self.is_linear() && self.friction[0] == 0.0).then(|| -jacobian().trace())
     }
 
     fn read(&self, all: &DVector<f64>) -> Vector4<f64> {
@@ -85,15 +82,17 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Differentiable for Modal<H, N, M> {
     fn rates(&self, state: &ModalState<H, N, M>) -> Vector4<f64> {
-        self.read(&DifferentiableList::rates(self, state, &[false]))
+        self.read(&DifferentiableList::rates(self, state, &[state.places[0].held]))
     }
 
+    /// Of a motion of any kind: a ride and a hold are motions of the same type as a flight.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
-        self.folded(&self.flow_in_parts(from, &[false], h, FINE))
+        let carried = DifferentiableList::carried(self, from, false);
+        self.folded(&self.flow_in_parts(from, &carried, h, FINE))
     }
 
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
-        self.folded(&self.flow_in_parts(from, &[true], h, FINE))
+        self.flight_tangent(from, h)
     }
 
     fn impact_matrix(&self, states: [&Self::State; 2]) -> Matrix4<f64> {
@@ -103,5 +102,15 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Differentiable for Mod
 
     fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64> {
         self.folded(&DifferentiableList::stick_matrix(self, stuck, &[true]))
+    }
+
+    fn slip_matrix(&self, sliding: &Self::State) -> Matrix4<f64> {
+        let Some(gradient) = self.slip_gradient(sliding, &[true]) else {
+            return Matrix4::identity();
+        };
+        let [held, slides] =
+            [true, false].map(|held| DifferentiableList::rates(self, sliding, &[held]));
+        let jump = (held - slides) * gradient.transpose();
+        Matrix4::identity() + self.folded(&jump)
     }
 }

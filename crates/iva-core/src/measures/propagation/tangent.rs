@@ -151,6 +151,16 @@ impl<S: Differentiable> Observer<S> for Tangent {
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
         self.turn(system, &from.state, from.time, false);
         self.carry(&released());
+        self.carry(&system.slip_matrix(&from.state));
+    }
+
+    fn stop(&mut self, system: &S, _time: f64, states: [&S::State; 2]) {
+        self.carry(&system.stop_matrix(states));
+        self.volume = 0.0;
+    }
+
+    fn slip(&mut self, system: &S, from: &Instant<S::State>) {
+        self.carry(&system.slip_matrix(&from.state));
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
