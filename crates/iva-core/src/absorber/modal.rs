@@ -16,6 +16,8 @@
 //! | Gₖ | gravity along the line of motion, which rises towards wall + | [`Modal::with_gravity`] |
 //! | y = u | a stop on the ground at a point | [`FreeMass::on_ground`], `modal/ground.rs` |
 //! | y = b sinθ | a pendulum at a point | [`Modal::with_pendulums`], `modal/pendulum.rs` |
+//! | α | a line that rises, on which the pivot of a pendulum moves | [`Modal::with_rising_pivots`] |
+//! | x₁ₖ | a mass that is a point itself, for forces, stops and other masses | [`ModalStructure::with_body`], [`Modal::with_bodies`] |
 //! | Rₖ, Rₛₖ | deceleration of a slide by friction: G + s R in place of G, s the sign of ẏ; the largest at rest | [`Modal::with_friction`], [`Modal::with_static_friction`] |
 //!
 //! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
@@ -49,7 +51,7 @@
 //! structure at the point of its mass.
 //!
 //! Pendulums: `modal/pendulum.rs`; their series with those of the modes: `modal/swings.rs`; how long these hold: `modal/swinging.rs`. A structure that moves as one: `modal/oscillation.rs`. Impacts: `modal/impact_law.rs`. What drives the modes: `modal/drive.rs`. Friction: `modal/friction.rs`, and how slides end: `modal/slides.rs`. Springs and
-//! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
+//! dashpots in the gaps: `modal/ties.rs`. Flights far from all walls: `modal/leaps.rs`; rebounds that are very low: `modal/hops.rs`. One member by four numbers, for orbits: `modal/single.rs`. What both ends of a motion prove at once: `modal/sight.rs`.
 
 use std::sync::{Arc, OnceLock};
 
