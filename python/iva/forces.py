@@ -346,6 +346,8 @@ def file_name(path: object) -> str:
 
 #: What drives a scene.
 Force = Harmonic | Impulse | Recorded
+#: What drives a steady motion: a harmonic force, or several.
+Drive = Harmonic | tuple[Harmonic, ...]
 
 
 def listed(force: object) -> tuple[Force, ...]:
@@ -387,3 +389,9 @@ def written(part: Part | Force | Structure | None) -> str:
     if part is None:
         return "no absorber"
     return repr(part) if isinstance(part, (Recorded, Structure)) else constructor(part)
+
+
+def single(force: object) -> Drive:
+    """Return the harmonic force of a scene that the compiled part has accepted, or several."""
+    forces = tuple(one for one in listed(force) if isinstance(one, Harmonic))
+    return forces[0] if len(forces) == 1 else forces

@@ -152,3 +152,55 @@ def test_what_rubs_has_orbits_but_no_branches() -> None:
     assert verified.state_error < 1e-12
     with pytest.raises(ValueError, match="friction"):
         dynamics.follow(orbit, over="clearance", between=(3.0, 6.0))
+
+
+def test_two_halves_of_a_force_are_the_force() -> None:
+    member = iva.Siva(mass_ratio=0.2, clearance=4.5, restitution=0.7)
+    start = (0, 0, 0, 0.1)
+    halves = [iva.Harmonic(amplitude=0.5, frequency=1.0)] * 2
+    one = dynamics.orbit(member, PRIMARY, force=FORCE, start=start, settle=200)
+    both = dynamics.orbit(member, PRIMARY, force=halves, start=start, settle=200)
+    assert one
+    assert both
+    assert both.symmetric
+    assert both.force == tuple(halves)
+    assert both.period == one.period
+    assert both.state == pytest.approx(one.state, rel=1e-12)
+    assert [abs(it) for it in both.multipliers] == pytest.approx(
+        [abs(it) for it in one.multipliers], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("frequency", "periods", "mirrors"), [(3.0, 1, True), (2.0, 1, False), (1.5, 2, False)]
+)
+def test_forces_with_a_common_period(frequency: float, periods: int, mirrors: bool) -> None:
+    member = iva.Siva(mass_ratio=0.2, clearance=4.5, restitution=0.7)
+    forces = [FORCE, iva.Harmonic(amplitude=0.5, frequency=frequency, phase=0.4)]
+    found = dynamics.orbit(
+        member, PRIMARY, force=forces, start=(0, 0, 0, 0.1), settle=400, verify=True
+    )
+    assert found
+    assert found.period == pytest.approx(2.0 * math.pi * periods, rel=1e-15)
+    assert found.state_error is not None
+    assert found.state_error < 1e-12
+    assert (found.image is not None) == mirrors
+    end = found.run(cycles=periods).state_at(found.period)
+    assert end.displacement == pytest.approx(found.start.displacement, abs=1e-9)
+    assert "1.5" in repr(found) or frequency != 1.5
+    branch = dynamics.follow(found, over="clearance", between=(4.0, 5.0))
+    assert branch
+    drawn = dynamics.basins(
+        member,
+        PRIMARY,
+        force=forces,
+        over={"displacement": [-1.0, 1.0], "velocity": [-1.0, 1.0]},
+        most_cycles=1000,
+    )
+    assert (drawn.labels >= 0).any()
+
+
+def test_forces_without_a_common_period_are_refused() -> None:
+    forces = [FORCE, iva.Harmonic(amplitude=0.5, frequency=math.sqrt(2.0))]
+    with pytest.raises(ValueError, match="fractions of each other"):
+        dynamics.orbit(MEMBERS["stop"], PRIMARY, force=forces, start=iva.Start())

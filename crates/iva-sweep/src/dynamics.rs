@@ -36,7 +36,7 @@ pub mod starts;
 pub mod words;
 
 pub use course::Course;
-pub use family::{Family, Member};
+pub use family::{Family, Member, common_periods};
 pub use iva_core::impact::Impact;
 pub use iva_core::observe::StickEpisode;
 pub use iva_core::orbit::periodic::{Missed, Orbit};

@@ -3,13 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::Invalid;
-use iva_core::force::Harmonic;
+use iva_core::force::Force;
 use iva_core::orbit::polish::{Stretch, polish, shown};
 use iva_core::orbit::{Coordinates, Numbered};
 use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
 use iva_sweep::design::{Design, Spec};
-use iva_sweep::dynamics::{Exact, InDoubles, Missed, Orbit};
+use iva_sweep::dynamics::{Exact, InDoubles, Missed, Orbit, common_periods};
 use iva_sweep::engine::given::Given;
 use iva_sweep::fields::FieldId;
 use iva_sweep::scene::Scene;
@@ -50,12 +50,12 @@ fn scene(spec: &Spec) -> Result<Option<(Scene<Twofold>, Twofold, Twofold)>, Inva
     }
     spec.replace(FieldId::Cycles, 1.0)?;
     let Design { scene, begin, .. } = Given::<Twofold>::new(&spec).design()?;
-    let frequency = scene.force().and_then(|force| {
-        let &Harmonic { frequency, .. } = force.harmonics().first()?;
-        Some(frequency)
-    });
+    let harmonics = scene.force().map_or(&[][..], Force::harmonics);
+    let frequencies: Vec<f64> = harmonics.iter().map(|it| it.frequency.into()).collect();
     let turn = Twofold::TURN.value + Twofold::TURN.rest;
-    Ok(frequency.map(|frequency| (scene, begin, turn / frequency)))
+    let period = common_periods(&frequencies)
+        .map(|(count, _)| turn * f64::from(count) / harmonics[0].frequency);
+    Ok(period.map(|period| (scene, begin, period)))
 }
 
 /// An orbit of a system, whose cycles have this length and are counted from an instant on.

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from iva import _iva
 from iva.doubts import warn_of_doubts
-from iva.dynamics.diagrams import MOST_CYCLES, single
+from iva.dynamics.diagrams import MOST_CYCLES
 from iva.dynamics.inventories import Attractors
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
-from iva.forces import Harmonic
+from iva.forces import Drive, Harmonic, listed, single
 from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
 from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
@@ -94,7 +94,7 @@ class Basins:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     start: Start
     over: tuple[str, str]
     x: NDArray[np.float64]
@@ -144,7 +144,7 @@ class Basins:
             of = self.boundary_entropy
             boundary = "" if of is None else f", of the boundary {of:.4g}"
             lines.append(f"  entropy {self.entropy:.4g}{boundary} (boxes of {self.side} cells)")
-        parts = (self.absorber, self.primary, self.force, self.start)
+        parts = (self.absorber, self.primary, *listed(self.force), self.start)
         lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
@@ -195,7 +195,8 @@ def basins(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     over : mapping of str to sequence of float
         The number across and the number up with their values: two of ``displacement``,
         ``velocity``, ``gap_displacement`` and ``gap_velocity``.
@@ -333,9 +334,7 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
     for index, orbit in enumerate(orbits):
         if not isinstance(orbit, Orbit):
             raise TypeError(f"attractors: {shown(orbit)} is no orbit of iva.dynamics")
-        if (orbit.absorber, orbit.primary) != (absorber, primary) or orbit.force != single_of(
-            force
-        ):
+        if (orbit.absorber, orbit.primary, orbit.force) != (absorber, primary, single(force)):
             raise ValueError("attractors: give orbits of the same absorber, primary and force")
         if (orbit.start.time or 0.0) != (begin.time or 0.0):
             raise ValueError("attractors: give orbits that begin at the instant of the start")
@@ -344,8 +343,3 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
             size = abs(orbit.multipliers[0])
             raise ValueError(f"attractors[{index}] has a multiplier of size {size:.6g}: {rule}")
     return orbits
-
-
-def single_of(force: object) -> object:
-    """Return the force, or that of a list of one."""
-    return force[0] if isinstance(force, (list, tuple)) and len(force) == 1 else force

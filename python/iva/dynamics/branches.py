@@ -10,6 +10,7 @@ from iva.dynamics.branch_measures import measured
 from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed, Orbit, rounded
 from iva.dynamics.search import orbit_of, whole
+from iva.forces import listed
 from iva.parameters import shown, spec
 from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
@@ -302,7 +303,7 @@ class Branch:
             f"  {len(self.rows)} orbits, {stable} of them stable; ends: {', '.join(self.ends)}",
         ]
         lines += [f"  {point.kind} at {point.value:.12g}" for point in self.points]
-        parts = (self.scene.absorber, self.scene.primary, self.scene.force)
+        parts = (self.scene.absorber, self.scene.primary, *listed(self.scene.force))
         lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.scene.primary))}")
         return "\n".join(lines)
@@ -423,5 +424,5 @@ def orbit_at(scene: Scene, chain: Chain, row: Row) -> Orbit | Missed:
     """Return the orbit at a point of a branch."""
     found = _iva.orbit_at(scene.spec(), chain, scene.over, row.value, row.unknowns)
     there = scene.at(row.value)
-    parts = (there.absorber, there.primary, there.force)
+    parts = (there.absorber, there.primary, *listed(there.force))
     return orbit_of(found, parts, chain[3], scene.start)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
-from iva.forces import Harmonic
+from iva.forces import Drive, Harmonic
 from iva.parameters import Absorber, Primary, Start
 from iva.scenes import scene
 
@@ -19,7 +19,7 @@ class Scene:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     start: Start
     over: str
 
@@ -32,7 +32,9 @@ class Scene:
             If no part has it.
         """
         part, _, plain = name.rpartition(".")
-        for key in ("absorber", "primary", "force"):
+        # Which of several forces has it, a name does not say.
+        parts = ("absorber", "primary") + (("force",) if isinstance(self.force, Harmonic) else ())
+        for key in parts:
             has = plain in (one.name for one in fields(getattr(self, key)))
             if has and part in ("", key):
                 return key, plain

@@ -9,7 +9,7 @@ from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import NAMES, start_of, whole
-from iva.forces import Harmonic
+from iva.forces import Drive, Harmonic, listed, single
 from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
 from iva.progress import Progress, reporting
 from iva.scene_lines import scene_lines
@@ -90,7 +90,7 @@ class Diagram:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     start: Start
     over: str
     discard: int
@@ -128,7 +128,7 @@ class Diagram:
             f"{' and '.join(ways)}",
             f"  {self.keep} strobes each after {self.discard} periods, {bad} values not finished",
         ]
-        parts = (self.absorber, self.primary, self.force, self.start)
+        parts = (self.absorber, self.primary, *listed(self.force), self.start)
         lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
@@ -159,7 +159,8 @@ def diagram(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     over : mapping of str to sequence of float
         The number that is changed, by the name that a sweep has for it, such as ``"clearance"`` or
         ``"force.frequency"``, and its values, increasing; it takes the place of what the scene has.
@@ -231,14 +232,6 @@ def diagram(
         outcomes=tuple(Outcome(*head) for head in heads),
         strobes=tuple(zip(*columns, strict=True)),
     )
-
-
-def single(force: Harmonic | Sequence[Harmonic]) -> Harmonic:
-    """Return the one harmonic force of a scene that the compiled part has accepted."""
-    if isinstance(force, Harmonic):
-        return force
-    [one] = force
-    return one
 
 
 def axis_of(over: object) -> tuple[str, list[float]]:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from iva import _iva
 from iva.doubts import warn_of_doubts
-from iva.dynamics.diagrams import MOST_CYCLES, single
+from iva.dynamics.diagrams import MOST_CYCLES
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import start_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
-from iva.forces import Harmonic
+from iva.forces import Drive, Harmonic, listed, single
 from iva.parameters import Absorber, Primary, Start, spec
 from iva.progress import reporting
 from iva.scene_lines import scene_lines
@@ -74,7 +74,7 @@ class Spectrum:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     exponents: Numbers
     standard_errors: Numbers
     sum_error: float | None
@@ -108,7 +108,9 @@ class Spectrum:
             f"  dimension {self.dimension:.4g}, {self.impacts_per_cycle:.6g} impacts per period, "
             f"{self.rides} rides in {self.cycles} periods, {self.outcome}",
         ]
-        lines += [f"  {line}" for line in scene_lines(self.absorber, self.primary, self.force)]
+        lines += [
+            f"  {line}" for line in scene_lines(self.absorber, self.primary, *listed(self.force))
+        ]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 
@@ -136,7 +138,8 @@ def lyapunov(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
         Runs begin from this start and from others within 10⁻⁶ of its size, as for :func:`orbit`. By
         default starts are drawn from a box; if steady states of different kinds coexist, the

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from iva import _iva
 from iva.doubts import warn_of_doubts
-from iva.dynamics.diagrams import MOST_CYCLES, single
+from iva.dynamics.diagrams import MOST_CYCLES
 from iva.dynamics.orbits import Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
 from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
-from iva.forces import Harmonic
+from iva.forces import Drive, Harmonic, listed, single
 from iva.parameters import Absorber, Primary, Start, spec
 from iva.progress import reporting
 from iva.scene_lines import scene_lines
@@ -106,7 +106,7 @@ class Attractors:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     attractors: tuple[Attractor, ...]
     no_impacts: int
     aperiodic: int
@@ -188,7 +188,9 @@ class Attractors:
             for name, (low, high) in zip(NAMES, self.box, strict=True)
         )
         lines.append(f"  starts in {', '.join(ranges)}")
-        lines += [f"  {line}" for line in scene_lines(self.absorber, self.primary, self.force)]
+        lines += [
+            f"  {line}" for line in scene_lines(self.absorber, self.primary, *listed(self.force))
+        ]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)
 
@@ -215,7 +217,8 @@ def attractors(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     starts : int, default 500
         Number n of starts, drawn from the box evenly, all at time zero. An attractor with the share
         p is missed with the probability (1 − p)ⁿ.
@@ -272,9 +275,9 @@ def attractors(
     cancelled = len(found["unfinished"]) - len(unfinished)
     count -= cancelled
     one = single(force)
-    listed = zip(found["orbits"], found["periods"], found["counts"], found["pairs"], strict=True)
+    rows = zip(found["orbits"], found["periods"], found["counts"], found["pairs"], strict=True)
     periodic = []
-    for described, periods, hits, pair in listed:
+    for described, periods, hits, pair in rows:
         orbit = orbit_of(described, (absorber, primary, one), periods, Start())
         assert isinstance(orbit, Orbit)
         periodic.append(

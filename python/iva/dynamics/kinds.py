@@ -90,7 +90,8 @@ def regimes(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     starts, seed, most_periods, most_cycles, box
         As for :func:`attractors`.
     cycles : int, default 5000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
-from iva.forces import Harmonic
+from iva.forces import Drive, listed
 from iva.parameters import Absorber, Primary, Start, spec
 from iva.scene_lines import scene_lines
 
@@ -183,7 +183,7 @@ class Orbit:
 
     absorber: Absorber
     primary: Primary
-    force: Harmonic
+    force: Drive
     periods: int
     least_periods: int
     period: float
@@ -285,7 +285,7 @@ class Orbit:
         lines = [f"Orbit: {kind}, {shape}, {count} in {span}"]
         lines.append(f"  multipliers {', '.join(rounded(one) for one in self.multipliers)}")
         lines += [f"  {', '.join(known)}"] if known else []
-        parts = (self.absorber, self.primary, self.force, self.start)
+        parts = (self.absorber, self.primary, *listed(self.force), self.start)
         lines += [f"  {line}" for line in scene_lines(*parts)]
         lines.append(f"  {_iva.primary_units(spec(self.primary))}")
         return "\n".join(lines)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from iva import _iva, theory
 from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
-from iva.forces import Harmonic, listed
+from iva.forces import Drive, Harmonic, listed, single
 from iva.parameters import Absorber, Primary, Start, Stop, numbers, shown
 from iva.scenes import scene
 from iva.simulation import Run, state_of, truth
@@ -48,7 +48,8 @@ def orbit(
     primary : Primary
         The primary system; what it is given decides the units.
     force : Harmonic
-        One harmonic force, or motion of the base.
+        A harmonic force, or motion of the base; or several whose frequencies are fractions of each
+        other: a period is then the shortest after which all of them repeat.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,)
         Where the search begins: a start, the last state of a run, the start of an orbit, or
         displacement and velocity of the primary system, gap displacement and gap velocity at time
@@ -113,14 +114,12 @@ def orbit(
         truth("verify", verify),
     )
     found = _iva.orbit(made, *asked)
-    # Only a scene under one harmonic force has come so far.
-    [single] = (one for one in forces if isinstance(one, Harmonic))
-    return orbit_of(found, (absorber, primary, single), asked[0], begin)
+    return orbit_of(found, (absorber, primary, single(force)), asked[0], begin)
 
 
 def orbit_of(
     found: dict[str, Any],
-    parts: tuple[Absorber, Primary, Harmonic],
+    parts: tuple[Absorber, Primary, Drive],
     periods: int,
     begin: Start,
 ) -> Orbit | Missed:

@@ -16,12 +16,31 @@ use super::InDoubles;
 use crate::choices::Kind;
 use crate::design::{Design, Spec};
 use crate::fields::{FieldId, Part};
-use crate::forces::Nature;
+use crate::forces::{ForceSpec, Nature};
 use crate::scene::{Mounted, Scene};
 use crate::slot::Slot;
 use crate::units::{Scale, UnitSystem};
 
-/// A system under one harmonic drive, with its start, in natural units.
+/// Most periods of the first of several harmonic forces after which all must repeat.
+const MOST_COMMON: u32 = 64;
+/// By how much rounding may keep the others from a whole number of their periods, over that number.
+const WHOLE: f64 = 1e-12;
+
+/// After how many periods of the first of some frequencies all of them repeat, and whether all change their signs after half of that time; `None` if that takes
+/// more than 64.
+pub fn common_periods(frequencies: &[f64]) -> Option<(u32, bool)> {
+    let first = frequencies.first()?;
+    let periods = |n: u32, frequency: &f64| frequency / first * f64::from(n);
+    let repeats = |n: &u32| {
+        let whole = |count: f64| (count - count.round()).abs() <= WHOLE * count && count >= 0.5;
+        frequencies.iter().all(|it| whole(periods(*n, it)))
+    };
+    let count = (1..=MOST_COMMON).find(repeats)?;
+    let odd = |frequency: &f64| periods(count, frequency).round() % 2.0 == 1.0;
+    Some((count, frequencies.iter().all(odd)))
+}
+
+/// A system under one periodic drive, with its start, in natural units.
 #[derive(Debug, Clone)]
 pub struct Family {
     /// The system, and the trajectory from the start on: its cycle begins at the instant of the start.
@@ -121,18 +140,23 @@ impl Family {
         check_kind(&spec)?;
         spec.replace(FieldId::Cycles, f64::from(periods))?;
         let Design { scene, begin, scale, units, .. } = spec.design()?;
-        let harmonic = scene.force().filter(|it| it.is_single()).and_then(harmonic);
-        let Harmonic { amplitude, frequency, .. } = harmonic.ok_or_else(|| not_periodic(&spec))?;
-        let period = TAU / frequency;
-        let damped = 2.0 * scene.damping_ratio() * frequency;
-        let amplitude = amplitude.abs() / damped.hypot(1.0 - frequency * frequency);
+        let harmonics = scene.force().map_or(&[][..], Force::harmonics);
+        let frequencies: Vec<f64> = harmonics.iter().map(|it| it.frequency).collect();
+        let first = frequencies.first().ok_or_else(|| not_periodic(&spec))?;
+        let (count, odd) = common_periods(&frequencies).ok_or_else(|| without_period(&spec))?;
+        let period = TAU / first * f64::from(count);
+        let alone = |&Harmonic { amplitude, frequency, .. }: &Harmonic| {
+            let damped = 2.0 * scene.damping_ratio() * frequency;
+            amplitude.abs() / damped.hypot(1.0 - frequency * frequency)
+        };
+        let amplitude = harmonics.iter().map(alone).sum();
         let cycle = Cycle { begin, length: f64::from(periods) * period };
         // Where it depends on the speed as well, the walls are alike if they are given alike.
         let other = spec.get(FieldId::RestitutionMinus);
         let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
         let level = scene.gravity_along(0).is_none_or(|along| along == 0.0);
         let across = scene.walls_of(0).iter().all(|wall| wall.is_finite());
-        let mirrors = like && level && across && scene.inclination_of(0) == 0.0;
+        let mirrors = like && level && across && odd && scene.inclination_of(0) == 0.0;
         let middle = scene.gap_offset(0);
         let has_angle = scene.has_angle();
         let mut within = [f64::NEG_INFINITY, f64::INFINITY];
@@ -158,11 +182,7 @@ impl Family {
     }
 }
 
-fn harmonic(force: &Force) -> Option<Harmonic> {
-    force.harmonics().first().copied()
-}
-
-/// Checks that there is an absorber, and one harmonic drive.
+/// Checks that there is an absorber, and a drive of harmonic forces.
 fn check_kind(spec: &Spec) -> Result<(), Invalid> {
     let shocks = [FieldId::StartImpulse, FieldId::StartImpulseVelocity];
     if let Some((field, value)) = shocks.iter().find_map(|it| Some((it, spec.get(*it)?))) {
@@ -182,19 +202,25 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "orbits are those of one absorber of one unit; leave it out";
         return Err(Invalid::new(FieldId::Units.path(), number(units), rule));
     }
-    match spec.forces() {
-        [force] if force.record.is_none() && force.nature() == Nature::Harmonic => Ok(()),
-        _ => Err(not_periodic(spec)),
-    }
+    let periodic = |force: &ForceSpec| force.record.is_none() && force.nature() == Nature::Harmonic;
+    let all = spec.forces();
+    if !all.is_empty() && all.iter().all(periodic) { Ok(()) } else { Err(not_periodic(spec)) }
 }
 
 fn not_periodic(spec: &Spec) -> Invalid {
-    let rule = "an orbit is one under a single harmonic force or motion of the base";
-    match spec.forces().len() {
-        0 => Invalid::missing("force", rule),
-        1 => Invalid::new("force", "one that is not harmonic", rule),
-        count => Invalid::new("force", format!("a list of {count}"), rule),
+    let rule = "an orbit is one under harmonic forces or motions of the base";
+    if spec.forces().is_empty() {
+        return Invalid::missing("force", rule);
     }
+    Invalid::new("force", "one that is not harmonic", rule)
+}
+
+fn without_period(spec: &Spec) -> Invalid {
+    let given = format!("a list of {}", spec.forces().len());
+    let rule = format!(
+        "all repeat after at most {MOST_COMMON} periods of the first: give frequencies that are fractions of each other"
+    );
+    Invalid::new("force", given, rule)
 }
 
 /// The scene with the absorber in the middle of its gap, or the structure in the middle of that of a stop, where it fits any clearance.
