@@ -185,7 +185,7 @@ def test_forces_with_a_common_period(frequency: float, periods: int, mirrors: bo
     assert found.state_error is not None
     assert found.state_error < 1e-12
     assert (found.image is not None) == mirrors
-    end = found.run(cycles=periods).state_at(found.period)
+    end = found.run().state_at(found.period)
     assert end.displacement == pytest.approx(found.start.displacement, abs=1e-9)
     assert "1.5" in repr(found) or frequency != 1.5
     branch = dynamics.follow(found, over="clearance", between=(4.0, 5.0))

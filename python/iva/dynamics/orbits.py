@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
-from iva.forces import Drive, listed
+from iva.forces import Drive, Harmonic, listed
 from iva.parameters import Absorber, Primary, Start, spec
 from iva.scene_lines import scene_lines
 
@@ -247,7 +247,7 @@ class Orbit:
         Parameters
         ----------
         cycles : float, optional
-            Length in periods of the force; by default until the orbit repeats.
+            Length in periods of the force, of several the first; by default until the orbit repeats.
         **settings
             Further arguments of :func:`iva.simulate`, such as `tables` and `verify`.
 
@@ -262,13 +262,16 @@ class Orbit:
         """
         from iva.simulation import simulate
 
-        length = self.periods if cycles is None else cycles
+        # Of several forces a cycle of a run is that of the first.
+        length = {"duration": self.period} if cycles is None else {"cycles": cycles}
+        if cycles is None and isinstance(self.force, Harmonic):
+            length = {"cycles": self.periods}
         return simulate(
             self.absorber,
             self.primary,
             start=self.start,
             force=self.force,
-            cycles=length,
+            **length,
             **settings,
         )
 
