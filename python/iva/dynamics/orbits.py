@@ -247,7 +247,8 @@ class Orbit:
         Parameters
         ----------
         cycles : float, optional
-            Length in periods of the force, of several the first; by default until the orbit repeats.
+            Length in periods of the force, of several of the first; by default until the orbit
+            repeats.
         **settings
             Further arguments of :func:`iva.simulate`, such as `tables` and `verify`.
 
