@@ -232,15 +232,6 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
             ["start.displacement", "0.5"],
         ),
         (
-            lambda: iva.dynamics.orbit(
-                iva.Stop(clearance=0.5, restitution=0.5),  # type: ignore[arg-type]
-                iva.Primary(),
-                start=iva.Start(),
-                force=iva.Harmonic(amplitude=0.1, relative_frequency=1.0),
-            ),
-            ["absorber", "orbit"],
-        ),
-        (
             lambda: iva.explore(
                 iva.Stop(clearance=0.5, restitution=0.5), iva.Primary(), start=iva.Start()
             ),

@@ -334,12 +334,6 @@ def test_errors_and_gradients_know_the_friction_at_rest() -> None:
             ),
             r"absorber.static_friction = 0.1: give friction too",
         ),
-        (
-            lambda: iva.dynamics.orbit(
-                siva(), PRIMARY, force=iva.Harmonic(force=10.0, frequency=30.0), start=(0, 0, 0, 0)
-            ),
-            "orbits are those of an absorber without friction",
-        ),
         (lambda: iva.explore(iva.simulate(siva(), PRIMARY, start=START, periods=1)), "friction"),
     ],
 )

@@ -59,7 +59,7 @@ def test_the_impact_oscillator_doubles_its_period_where_the_closed_form_does() -
     assert doubled.periods == 2
 
 
-MEMBERS = {
+MEMBERS: dict[str, iva.Siva | iva.Piva | iva.Stop] = {
     "dashpot": iva.Siva(
         mass_ratio=0.2, clearance=4.5, restitution=0.7, gap_damping_ratio=0.004, spring_ratio=0.1
     ),

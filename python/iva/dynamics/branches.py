@@ -424,5 +424,5 @@ def orbit_at(scene: Scene, chain: Chain, row: Row) -> Orbit | Missed:
     """Return the orbit at a point of a branch."""
     found = _iva.orbit_at(scene.spec(), chain, scene.over, row.value, row.unknowns)
     there = scene.at(row.value)
-    parts = (there.absorber, there.primary, *listed(there.force))
+    parts = (there.absorber, there.primary, there.force)
     return orbit_of(found, parts, chain[3], scene.start)

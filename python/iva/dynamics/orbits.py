@@ -264,17 +264,11 @@ class Orbit:
         from iva.simulation import simulate
 
         # Of several forces a cycle of a run is that of the first.
-        length = {"duration": self.period} if cycles is None else {"cycles": cycles}
-        if cycles is None and isinstance(self.force, Harmonic):
-            length = {"cycles": self.periods}
-        return simulate(
-            self.absorber,
-            self.primary,
-            start=self.start,
-            force=self.force,
-            **length,
-            **settings,
-        )
+        if cycles is not None or isinstance(self.force, Harmonic):
+            settings["cycles"] = self.periods if cycles is None else cycles
+        else:
+            settings["duration"] = self.period
+        return simulate(self.absorber, self.primary, start=self.start, force=self.force, **settings)
 
     def __repr__(self) -> str:
         """Show what it is like, its multipliers, the scene and the units."""
