@@ -247,6 +247,7 @@ def in_millimetres(of: Run | Table | Iterable[str]) -> bool:
     return given_in_mm(of.swept if isinstance(of, Table) else of)
 
 
-def fields_of(*parts: Part | Absorber | None) -> list[str]:
-    """Return the names of the fields that some parts of a scene were given."""
-    return list(spec(*parts))
+def fields_of(*parts: Part | Absorber | tuple[Part, ...] | None) -> list[str]:
+    """Return the names of the fields that some parts of a scene, or tuples of parts, were given."""
+    flat = [one for part in parts for one in (part if isinstance(part, tuple) else (part,))]
+    return list(spec(*flat))

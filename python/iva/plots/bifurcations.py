@@ -16,7 +16,6 @@ from iva import _iva
 from iva.dynamics.branches import Branch, Row
 from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.curves import Curve
-from iva.forces import listed
 from iva.parameters import shown, spec
 from iva.plots.axis_units import fields_of, in_millimetres, name_axis
 from iva.plots.labels import labelled, of_column
@@ -252,7 +251,7 @@ def listed(branches: Branch | Iterable[Branch]) -> list[Branch]:
 
 def scene_in_mm(scene: Scene) -> bool:
     """Return whether lengths of a scene were given in mm."""
-    given = fields_of(scene.absorber, scene.primary, *listed(scene.force), scene.start)
+    given = fields_of(scene.absorber, scene.primary, scene.force, scene.start)
     return in_millimetres([*given, scene.over])
 
 

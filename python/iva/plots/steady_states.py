@@ -13,7 +13,6 @@ from matplotlib.patches import Patch
 from iva import _iva, dynamics
 from iva.dynamics.basin_maps import CANCELLED, NO_IMPACTS, UNDECIDED, Basins
 from iva.dynamics.diagrams import Diagram
-from iva.forces import listed
 from iva.parameters import Primary, shown, spec
 from iva.plots.arguments import checked_run
 from iva.plots.axis_units import fields_of, in_millimetres, name_axis
@@ -102,8 +101,7 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
                     label=f"{way}wards",
                 )
         over = diagram.over
-        forces = listed(diagram.force)
-        given = fields_of(diagram.absorber, diagram.primary, *forces, diagram.start)
+        given = fields_of(diagram.absorber, diagram.primary, diagram.force, diagram.start)
         # Words and symbol together are longer than the axis.
         name = f"{symbol} at the strobes" if symbol else words
         for axis, label, unit in (
