@@ -111,3 +111,33 @@ def test_verifications_travel() -> None:
         assert other.verification == run.verification
         assert other.verification.units["impacts"]["time"] == "1/ωn"
         assert repr(other.verification) == repr(run.verification)
+
+
+@pytest.mark.parametrize(
+    "absorber",
+    [
+        iva.Siva(mass_ratio=0.07, restitution=0.5, clearance=1.81015, gap_offset=0.321772),
+        iva.Siva(
+            mass_ratio=0.07,
+            restitution=0.5,
+            clearance=1.81015,
+            gap_offset=0.321772,
+            spring_ratio=0.1,
+        ),
+        iva.Piva(
+            mass_ratio=0.07,
+            restitution=0.5,
+            clearance=1.81015,
+            gap_offset=0.321772,
+            frequency_ratio=0.5,
+            length=5.1,
+        ),
+    ],
+)
+def test_a_start_on_a_wall_is_one_in_any_precision(absorber: iva.Siva | iva.Piva) -> None:
+    """The wall is the sum of two numbers, which a double of the start only rounds."""
+    for side in (-1.0, 1.0):
+        wall = 0.321772 + side * 1.81015
+        start = iva.Start(displacement=1.0, gap_displacement=wall)
+        run = iva.simulate(absorber, iva.Primary(), start=start, periods=3, verify=True)
+        assert run.verification.agrees

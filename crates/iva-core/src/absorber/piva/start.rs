@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::{Angles, Parameters, Piva, PivaState};
 use crate::absorber::siva::FreeMass;
+use crate::absorber::siva::free_mass::ON_WALL;
 use crate::absorber::{Clock, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::host::oscillator::Primary;
@@ -13,9 +14,6 @@ use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::GapPoint;
 use crate::segment::taylor::Pendulum;
-
-/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
-const ON_WALL_ULPS: f64 = 4.0;
 
 /// Displacement or velocity of the pendulum, in the coordinate in which it was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +100,7 @@ impl<R: Real> Parameters<R> {
         if let Given::Angle(angle) = place {
             let [low, high] = walls;
             let size = gap.clearance() + gap.offset().abs();
-            let beyond = (low - y).max(y - high) > R::EPSILON * ON_WALL_ULPS * size;
+            let beyond = (low - y).max(y - high) > size * ON_WALL;
             if beyond || cosine.value <= 0.0 || angle.is_nan() {
                 let [low, high] = walls.map(|y| {
                     let sine = y.max(-b).min(b) / b;
@@ -150,7 +148,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
 
     fn check_place(&self, place: Given<R>, y: R, cosine: R) -> Result<(), Invalid> {
         let (d, b) = (self.parameters.clearance, self.parameters.contact_distance);
-        let beyond = y.abs() - d > R::EPSILON * ON_WALL_ULPS * d;
+        let beyond = y.abs() - d > d * ON_WALL;
         match place {
             Given::Gap(value) => {
                 let invalid =
@@ -213,7 +211,7 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
             Given::Angle(_) if self.stops.steep => self.height(cosine, y * wall.sign()),
             _ => DoubleDouble::new(clearance).plus(y * -wall.sign()),
         };
-        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
+        let touching = distance.value <= clearance * ON_WALL;
         #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
         let w = match start.rate {
             Given::Gap(rate) if w != 0.0 => DoubleDouble::new(rate).over_sum(cosine),

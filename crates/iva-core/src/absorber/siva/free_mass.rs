@@ -8,8 +8,8 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 
-/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
-const ON_WALL_ULPS: f64 = 4.0;
+/// A start within this distance of a wall, over the clearance, counts as on the wall: it is given in doubles, whatever the numbers of the run.
+pub(crate) const ON_WALL: f64 = 4.0 * f64::EPSILON;
 
 /// A free mass between two walls: checked parameters in natural units, and constants derived from them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,7 +180,7 @@ impl<R: Real> FreeMass<R> {
         let distance =
             DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
         let size = self.clearance + self.offset.abs();
-        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * size;
+        let touching = distance.value <= size * ON_WALL;
         (s, if touching { DoubleDouble::ZERO } else { distance })
     }
 }
@@ -195,7 +195,7 @@ pub(crate) fn check_place<R: Real>(
     [low, high]: [R; 2],
     size: R,
 ) -> Result<(), Invalid> {
-    if (low - y).max(y - high) > R::EPSILON * ON_WALL_ULPS * size {
+    if (low - y).max(y - high) > size * ON_WALL {
         let rule = match [low, high].map(|wall| wall.is_finite().then(|| number(wall))) {
             [Some(low), Some(high)] => format!("it must lie in the gap, from {low} to {high}"),
             [Some(low), None] => format!("it must lie before its stop, at {low} or above"),
