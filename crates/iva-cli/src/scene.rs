@@ -1,7 +1,6 @@
 //! A summary of a study in a few lines, in which mistaken units show before anything is run.
 
 use std::fmt::Write;
-use std::sync::atomic::AtomicBool;
 
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
@@ -245,8 +244,8 @@ fn acceleration(design: &Design) -> Option<f64> {
     let decaying = from.x.hypot(from.v);
     let Some(force) = design.scene.force() else { return Some(decaying) };
     let harmonic = force.harmonics().first().filter(|_| force.is_single())?;
-    let never = AtomicBool::new(false);
-    let forced = design.without_absorber(&never).ok().flatten()?.amplitude;
+    let whole = design.scene.moves_as_one() && force.elsewhere().is_empty();
+    let forced = whole.then(|| harmonic.response(design.scene.damping_ratio()))?;
     let square = harmonic.frequency * harmonic.frequency;
     (!force.moves_base()).then_some(decaying + square * forced)
 }

@@ -44,6 +44,19 @@ pub fn rows<R: Real>(
     Ok(rows)
 }
 
+/// As [`rows`] in doubles, compiled here.
+///
+/// # Errors
+/// As [`rows`].
+pub fn rows_in_doubles(
+    study: &Study,
+    design: &Design,
+    cancel: &AtomicBool,
+    beside: Beside<'_>,
+) -> Result<Rows<f64>, Invalid> {
+    rows(study, design, cancel, beside)
+}
+
 /// The rows of the first point of a study as a sweep has them, from its tier.
 ///
 /// # Errors

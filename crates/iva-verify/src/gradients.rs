@@ -25,7 +25,7 @@ use iva_sweep::columns::columns;
 use iva_sweep::design::Spec;
 use iva_sweep::engine::given::Given;
 use iva_sweep::fields::{Allowed, FieldId, Part, Quantity};
-use iva_sweep::listed::{Beside, Cell, Closeness, Content, Rows, rows, table};
+use iva_sweep::listed::{Beside, Cell, Closeness, Content, Rows, rows, rows_in_doubles, table};
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{SweepError, Tables};
@@ -157,7 +157,7 @@ impl Differentiated {
         let plain = spec.design()?;
         let mut closeness = Closeness::default();
         let watched: Beside<'_> = (None, (None, Some(&mut closeness)));
-        let found = rows(study, &plain, cancel, watched)?;
+        let found = rows_in_doubles(study, &plain, cancel, watched)?;
         let sensitive = sensitive_from(&closeness).map(|time| plain.scale.time(time));
         let (beside, parted) = quotient(study, spec, (slot, size), (&found, sensitive), cancel)?;
         let until = parted.into_iter().chain(sensitive).reduce(f64::min);

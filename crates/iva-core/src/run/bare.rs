@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::absorber::Point;
-use crate::absorber::modal::{FEW, FewModes, ModalStart, ModalStructure, PRIMARY};
+use crate::absorber::modal::{FEW, MOST, MOST_MODES, Modal, ModalStart, ModalStructure, PRIMARY};
 use crate::engine::simulate::{Limits, simulate_from};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
@@ -48,15 +48,33 @@ pub fn without_absorber<R: Real>(
         let amplitude = harmonic.response(damping_ratio);
         return Ok(Some(Bare { amplitude, rms: amplitude * R::from(0.5).sqrt() }));
     }
-    let structure = ModalStructure::moving_as_one(damping_ratio)?;
-    let alone = FewModes::with_room(structure, &[])?.under(force.clone(), PRIMARY)?;
-    let unused = GapPoint { y: R::ZERO, w: R::ZERO };
-    let start = ModalStart::new(&[from.x], &[from.v], [unused; FEW])?;
     let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
-    simulate_from(&alone, &start, begin, limits, cancel, &mut steady)?;
+    let run = (damping_ratio, (from, begin), limits, cancel);
+    // The system with room for few modes is compiled in doubles alone.
+    if R::FAST_PATHS {
+        alone::<R, FEW, FEW>(force, run, &mut steady)?;
+    } else {
+        alone::<R, MOST, MOST_MODES>(force, run, &mut steady)?;
+    }
     let SteadyValues { amplitude_max, amplitude_rms, .. } = *steady.values();
     Ok(amplitude_max.zip(amplitude_rms).map(|(amplitude, rms)| Bare { amplitude, rms }))
+}
+
+/// Damping ratio, state and instant of the begin, and limits of a run.
+type Given<'a, R> = (R, (Point<R>, R), &'a Limits<R>, Option<&'a AtomicBool>);
+
+/// Runs the primary alone, in a system with room for N absorbers and M modes.
+fn alone<R: Real, const N: usize, const M: usize>(
+    force: &Force<R>,
+    (damping_ratio, (from, begin), limits, cancel): Given<'_, R>,
+    steady: &mut Steady<R>,
+) -> Result<(), Invalid> {
+    let structure = ModalStructure::moving_as_one(damping_ratio)?;
+    let alone = Modal::<_, N, M>::with_room(structure, &[])?.under(force.clone(), PRIMARY)?;
+    let unused = GapPoint { y: R::ZERO, w: R::ZERO };
+    let start = ModalStart::new(&[from.x], &[from.v], [unused; N])?;
+    simulate_from(&alone, &start, begin, limits, cancel, steady).map(drop)
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
+use crate::number::vectors::in_vectors;
 use drive::{Laid, laid, raised};
 pub(crate) use drive::{Pushed, Still, Swinging};
 use lane::{Lane, Lanes};
@@ -128,9 +129,18 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
         lanes
     }
 
-    /// One round of each lane; true if a lane needs something of its run.
-    #[inline(always)]
+    /// One round of each lane; true if a lane needs something of its run. A function of its own, so that runs and
+    /// trajectories, which begin with it alike, have its code once.
+    #[inline(never)]
     fn round(&mut self) -> bool {
+        in_vectors(
+            #[inline(always)]
+            || self.advance(),
+        )
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) -> bool {
         let Self { scenes, lanes, rounds, rows, shared, .. } = self;
         Stages::<H, LANES, N, SMALL, SPRUNG> { scenes, lanes, rounds, rows, shared }.run();
         let full = self.log();

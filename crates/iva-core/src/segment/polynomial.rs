@@ -141,20 +141,6 @@ pub(crate) fn jet<R: Real>(f: &[R], t: R) -> [R; 4] {
     [value, rate, half * 2.0, sixth * 6.0]
 }
 
-/// Several polynomials of one length at t, by Horner's rule, side by side.
-#[inline(always)]
-pub(crate) fn horners<R: Real, const K: usize>(rows: [&[R]; K], t: R) -> [R; K] {
-    let length = rows[0].len();
-    let rows = rows.map(|row| &row[..length]);
-    let mut sums = [R::ZERO; K];
-    for k in (0..length).rev() {
-        for (sum, row) in sums.iter_mut().zip(rows) {
-            *sum = sum.mul_add(t, row[k]);
-        }
-    }
-    sums
-}
-
 /// Brackets of the extrema of a polynomial in [0, to], one each, in order. An inflection is not an extremum.
 #[inline(always)]
 pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {

@@ -41,10 +41,6 @@ macro_rules! with_order {
                 const $constant: usize = 16;
                 $body
             }
-            18 => {
-                const $constant: usize = 18;
-                $body
-            }
             _ => {
                 const $constant: usize = $crate::segment::taylor::ORDER;
                 $body
@@ -60,7 +56,7 @@ mod remainder;
 mod spring;
 
 /// The orders in use.
-pub(crate) const ORDERS: [usize; 4] = [10, 16, 18, ORDER];
+pub(crate) const ORDERS: [usize; 3] = [10, 16, ORDER];
 
 /// The constants of the equations.
 #[derive(Debug, Clone, Copy, PartialEq)]

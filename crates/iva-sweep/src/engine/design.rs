@@ -58,7 +58,7 @@ impl<R: Real> Design<R> {
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
-    pub fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
+    pub(crate) fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
         let Self { scene, window, limits, .. } = self;
         let at_one_point = |force: &&Force<R>| force.elsewhere().is_empty();
         let force = scene.force().filter(|_| scene.moves_as_one()).filter(at_one_point);

@@ -26,7 +26,7 @@ impl<R: Real> Accuracy<R> {
         let (order, longest_step) = match tolerance {
             t if t >= 1e-7 => (10, 0.9),
             t if t >= 1e-10 => (16, 1.2),
-            t if t >= 1e-13 => (18, 1.0),
+            t if t >= 1e-13 => (16, 0.8),
             _ => (ORDER, 0.9),
         };
         Self { tolerance, order, longest_step }

@@ -11,7 +11,6 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::enclosure::Enclosure;
 use crate::segment::flight::Turns;
-use crate::segment::polynomial::horners;
 use crate::segment::quintic::{monomials, root};
 use crate::segment::taylor::{ORDER, Pendulum, Row, Series, unrolled};
 
@@ -33,10 +32,10 @@ impl<R: Real, P: Copy> Step<'_, P, R> {
     pub fn state<const N: usize>(&self, h: R) -> PivaState<P, R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
-        let [x, u, y, w, c] = horners(rows.map(|row| &row[1..=N]), t).map(|beyond| t * beyond);
-        let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
-        let distance = from.distance.plus(y * -from.wall.sign());
-        self.reached(primary, distance, from.w.plus(w), from.cosine.plus(c))
+        let [x, u, y, w, c] = beyond::<_, N, 1, 5>(rows, t);
+        let primary = Primary { x: from.primary.x.plus(t * x), v: from.primary.v.plus(t * u) };
+        let distance = from.distance.plus(t * y * -from.wall.sign());
+        self.reached(primary, distance, from.w.plus(t * w), from.cosine.plus(t * c))
     }
 
     /// The state at the end of a step, with the drive of the begin. At full accuracy its linear terms are computed to twice the precision,
@@ -65,7 +64,7 @@ impl<R: Real, P: Copy> Step<'_, P, R> {
     ) -> PivaState<P, R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let [x, u, y, w, c] =
-            from_two::<_, N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
+            beyond::<_, N, 2, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
         let increment = |first: DoubleDouble<R>, beyond: R| first.times(h).plus(t * t * beyond);
         let pull = if from.released { DoubleDouble::ZERO } else { first.w[1] };
         let primary = Primary {
@@ -226,11 +225,15 @@ pub(super) fn root_close_by<R: Real>(f: [R; 5], share: R, at: R) -> (R, bool) {
     (t, found & (t.abs() <= share * CLOSE))
 }
 
-/// Σ f_k t^(k−2) over 2 ≤ k ≤ N of several series.
+/// Σ f_k t^(k−FROM) over FROM ≤ k ≤ N of several series, by Horner's rule, side by side. Of slices or by `map` in place of the
+/// loops, a call may be left that keeps a loop over lanes from becoming vectors.
 #[inline(always)]
-fn from_two<R: Real, const N: usize, const K: usize>(rows: [&Row<R>; K], t: R) -> [R; K] {
+fn beyond<R: Real, const N: usize, const FROM: usize, const K: usize>(
+    rows: [&Row<R>; K],
+    t: R,
+) -> [R; K] {
     let mut sums = [R::ZERO; K];
-    unrolled!(i < N - 1 => {
+    unrolled!(i < N + 1 - FROM => {
         for (sum, row) in sums.iter_mut().zip(rows) {
             *sum = sum.mul_add(t, row[N - i]);
         }

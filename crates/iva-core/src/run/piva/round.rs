@@ -333,7 +333,6 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool, const SPRUN
         match N {
             10 => limits::<W, 9>(a, &share, most_a),
             16 => limits::<W, 15>(a, &share, most_a),
-            18 => limits::<W, 17>(a, &share, most_a),
             _ => limits::<W, 19>(a, &share, most_a),
         }
     }
