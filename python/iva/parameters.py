@@ -176,6 +176,8 @@ class Part:
     _of_each: tuple[str, ...] = ()
     # Fields that are tables, each of points that are pairs of numbers.
     _tables: tuple[str, ...] = ()
+    # Fields with a number for each mode of a structure, to whose entries they belong.
+    _of_modes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
@@ -188,7 +190,7 @@ class Part:
                 continue
             if name in self._tables:
                 object.__setattr__(self, name, pairs(path, value))
-            elif name in self._of_each and is_list(value):
+            elif name in self._of_modes or (name in self._of_each and is_list(value)):
                 object.__setattr__(self, name, tuple(numbers(path, value)))
             else:
                 object.__setattr__(self, name, number(path, value))
@@ -216,6 +218,8 @@ def checked(part: Part) -> None:
     """
     fields_given = given(part)
     tables = [fields_given.pop(name) for name in part._tables if name in fields_given]
+    for name in part._of_modes:
+        fields_given.pop(name, None)
     for name, values in fields_given.items():
         if isinstance(values, tuple):
             if not values:
@@ -760,6 +764,9 @@ class Start(Part):
     reference : float, optional
         Displacement that the `relative_clearance` of the absorber is a multiple of; by default
         `displacement`.
+    displacements, velocities : sequence of float, shape (n,), optional
+        Of all modes of a :class:`Structure`, or of the coordinates of its matrices, in the place of
+        its `start_displacements` and `start_velocities`.
 
     Raises
     ------
@@ -781,6 +788,7 @@ class Start(Part):
 
     _part = "start"
     _of_each = ("gap_displacement", "gap_velocity")
+    _of_modes = ("displacements", "velocities")
 
     displacement: float | None = None
     displacement_mm: float | None = None
@@ -793,6 +801,8 @@ class Start(Part):
     angular_velocity: float | None = None
     time: float | None = None
     reference: float | None = None
+    displacements: Sequence[float] | None = None
+    velocities: Sequence[float] | None = None
 
 
 def spec(
@@ -825,6 +835,8 @@ def add(fields_given: Spec, part: Part | None, place: str) -> None:
         fields_given |= {f"absorber.{place}{name}": word for name, word in choices(part)}
     for name, value in ({} if part is None else given(part)).items():
         assert part is not None
+        if name in part._of_modes:
+            continue
         if isinstance(value, tuple) and name not in part._tables:
             for number_, one in enumerate(value):
                 # Of one absorber fields have no number.

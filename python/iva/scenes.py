@@ -57,11 +57,22 @@ def scene(
     if not isinstance(start, Start):
         raise TypeError(f"start = {shown(start)}: give an iva.Start")
     checked_lists(absorber, start)
+    for name in start._of_modes if isinstance(primary, Primary) else ():
+        if (all_ := getattr(start, name)) is not None:
+            rule = "an iva.Structure has several modes; give displacement and velocity"
+            raise ValueError(f"start.{name} = {shown(list(all_))}: {rule}")
     if isinstance(primary, Structure):
         made = spec(absorber, start, run=run)
-        made["structure"] = primary._entries()
+        begun = {name: getattr(start, name) for name in start._of_modes}
+        own = {f"start_{name}": list(all_) for name, all_ in begun.items() if all_ is not None}
+        made["structure"] = primary._entries() | own
     else:
         made = spec(absorber, primary, start, run=run)
+    if isinstance(absorber, (list, tuple)):
+        # A stop on the ground has no place of its own: the structure is where its gap tells.
+        stops = (place for place, one in enumerate(absorber) if isinstance(one, Stop))
+        for path in [f"start.{place}.{name}" for place in stops for name in start._of_each]:
+            made.pop(path, None)
     if forces := [fields_of(force) for force in listed(force)]:
         made["forces"] = forces
     return made

@@ -249,8 +249,7 @@ class Run(RunTables):
         TypeError
             If `time` is not a number.
         ValueError
-            If it is outside the run, or after its early end, if the structure has several modes, or
-            if an absorber has several units.
+            If it is outside the run, or after its early end, or if an absorber has several units.
 
         Examples
         --------
@@ -263,8 +262,6 @@ class Run(RunTables):
         12.5
         """
         at = number("time", time)
-        if isinstance(self.primary, Structure):
-            raise ValueError("state_at: a Start has no room for the state of several modes")
         if _iva.design(self._spec)["absorbers"] > len(absorbers(self.absorber)):
             rule = "a Start has one place for all units of an absorber"
             raise ValueError(f"state_at: {rule}; give them as a list of absorbers")
@@ -277,7 +274,10 @@ class Run(RunTables):
         if rows[0]["displacement"] is None:
             end = self.summary["outcome"].item()
             raise ValueError(f"time = {at!r}: the run ended before ({end}); give an earlier one")
-        return state_of(rows, self.absorber, self.start)
+        modes = None
+        if isinstance(self.primary, Structure):
+            modes = _iva.state_of_modes(self._spec, at)
+        return state_of(rows, self.absorber, self.start, modes)
 
     @spell_checked
     def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
@@ -549,15 +549,26 @@ def simulate(
 STEEP = 0.5
 
 
-def state_of(rows: Sequence[Mapping[str, Any]], absorber: object, start: Start) -> Start:
-    """Return the state of some rows of a trajectory, one an absorber, in a run from a start."""
+def state_of(
+    rows: Sequence[Mapping[str, Any]],
+    absorber: object,
+    start: Start,
+    modes: Sequence[Sequence[float]] | None = None,
+) -> Start:
+    """Return the state of some rows of a trajectory, one an absorber, in a run from a start.
+
+    Of a structure with several modes these have a state of their own.
+    """
     row = rows[0]
     reference = start.reference
     if reference is None and start.displacement_mm is not None:
         reference = start.displacement_mm / 1000
     if reference is None:
         reference = start.displacement
-    kept = {name: row[name] for name in ("time", "displacement", "velocity")}
+    if modes is None:
+        kept = {name: row[name] for name in ("time", "displacement", "velocity")}
+    else:
+        kept = {"time": row["time"], **dict(zip(start._of_modes, modes, strict=True))}
     angle = row["angle"]
     if angle is not None and math.cos(angle) < STEEP:
         place = ("angle", "angular_velocity")

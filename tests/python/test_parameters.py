@@ -29,10 +29,14 @@ PARTS: list[tuple[str, str, Any, list[str]]] = [
 def test_fields_are_those_of_the_table(name: str, kind: str, part: Any, words: list[str]) -> None:
     declared = [field.name for field in dataclasses.fields(part)]
     numbers = [field for field, _, _ in _iva.fields(name, kind)]
+    modal = part._of_modes
+    assert all(name in part.__doc__ for name in modal)
+    declared = [name for name in declared if name not in modal]
     tables = [name for name in declared if name in part._tables]
     assert [name for name in declared if name not in tables] == numbers + words
     assert all(f"{name} : array_like" in part.__doc__ for name in tables)
     defaults = {field.name: field.default for field in dataclasses.fields(part)}
+    assert all(defaults[name] is None for name in modal)
     assert all(defaults[field] is None for field in numbers)
     declared = numbers
     for field in declared:

@@ -328,6 +328,17 @@ pub fn state(py: Python<'_>, spec: &Bound<'_, PyDict>, time: f64) -> PyResult<Ar
     motion(py, move |cancel| paths::states(&spec, &[time], &|_| "time".to_owned(), cancel))
 }
 
+/// Displacements and velocities of the modes or coordinates of a structure at an instant of a run; `None` if the run ends before.
+#[pyfunction]
+pub fn state_of_modes(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    time: f64,
+) -> PyResult<Option<[Vec<f64>; 2]>> {
+    let spec: Spec = arguments::spec(spec)?;
+    worker::run(py, None, move |shared| paths::modes(&spec, time, &shared.cancel))
+}
+
 fn motion(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> Result<RecordBatch, SweepError> + Send + 'static,

@@ -36,8 +36,8 @@ mod _iva {
     #[pymodule_export]
     use super::calls::{
         check, check_choices, check_restitution_table, column_units, design, doubts, fields,
-        gradients, larger_is_better, main, modes, primary_units, simulate, state, states,
-        trajectory, unit_system, verdict_on_contacts, verify,
+        gradients, larger_is_better, main, modes, primary_units, simulate, state, state_of_modes,
+        states, trajectory, unit_system, verdict_on_contacts, verify,
     };
     #[pymodule_export]
     use super::dynamics::orbit;

@@ -12,7 +12,7 @@ use crate::design::Design;
 use crate::engine::scale::Scale;
 
 #[cfg(feature = "sweeps")]
-pub use tables::{states, trajectory};
+pub use tables::{modes, states, trajectory};
 
 #[cfg(feature = "sweeps")]
 mod tables;

@@ -3,6 +3,7 @@
 //! It takes the place of the fields of the primary. Its entries have the same names in a study file, where they are the
 //! section `[structure]`, and in Python. Either its modes are given or its matrices.
 
+use iva_core::absorber::Point;
 use iva_core::absorber::modal::ModalStructure;
 use iva_core::error::{Invalid, number};
 use iva_core::number::real::Real;
@@ -400,6 +401,30 @@ impl Structure {
             all[self.natural_mode] += primary[k] / shape;
         }
         Ok(begun)
+    }
+
+    /// Displacements of the modes or coordinates and their rates, as a start has them, by q and q̇ of the modes; masses that are
+    /// points come after these.
+    ///
+    /// # Errors
+    /// [`Invalid`] as of [`Structure::modes`].
+    pub(crate) fn started(&self, modes: &[Point<f64>]) -> Result<[Vec<f64>; 2], Invalid> {
+        let omega = self.natural_frequency;
+        let structure: ModalStructure = self.modes(omega)?;
+        let own = || modes.iter().take(structure.count());
+        let of_modes = [own().map(|it| it.x).collect(), own().map(|it| it.v).collect()];
+        let at = |q: &[f64], name| {
+            let shapes = structure.shapes(name).unwrap_or_default();
+            shapes.iter().zip(q).map(|(shape, q)| shape * q).sum()
+        };
+        let [displacements, mut velocities] = match &self.system {
+            System::Modes { .. } => of_modes,
+            System::Matrices { .. } => {
+                of_modes.map(|q: Vec<f64>| self.points().map(|it| at(&q, it)).collect())
+            }
+        };
+        velocities.iter_mut().for_each(|rate| *rate *= omega);
+        Ok([displacements, velocities])
     }
 }
 

@@ -33,6 +33,10 @@ pub trait OnStructure {
     }
     /// Displacement and velocity of the primary.
     fn primary(&self, state: &Self::State) -> Point<Self::Real>;
+    /// q and q̇ of each mode of a structure with points, in the order of its modes.
+    fn modes_of(&self, _state: &Self::State) -> Vec<Point<Self::Real>> {
+        Vec::new()
+    }
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> Self::Real;
     /// The state after the impulse that is due, of P/M = `velocity`, with the absorber free or stuck to its

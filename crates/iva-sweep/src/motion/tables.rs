@@ -12,6 +12,7 @@ use iva_core::sample::{Sampler, State};
 use super::{in_order, row, sampler};
 use crate::design::{Design, Spec};
 use crate::engine::point::{Request, run};
+use crate::structure::SECTION;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{TableBuilder, schema_in};
@@ -80,6 +81,27 @@ pub fn states(
         }
     }
     table(spec, &design, found.into_iter())
+}
+
+/// Displacements and velocities of the modes or coordinates of a structure with several modes at an instant of a run (in s), as
+/// its entries of the start have them; `None` if the run ends before.
+///
+/// # Errors
+/// [`SweepError`] for an invalid design, and where the structure moves as one.
+pub fn modes(
+    spec: &Spec,
+    time: f64,
+    cancel: &AtomicBool,
+) -> Result<Option<[Vec<f64>; 2]>, SweepError> {
+    let design = spec.design()?;
+    let Some(structure) = spec.structure() else {
+        return Err(Invalid::missing(SECTION, "give a structure with several modes").into());
+    };
+    let tau = time * design.scale.natural_frequency;
+    let mut sampler = Sampler::with_modes(tau.clamp(design.begin, design.limits.duration));
+    watch(spec, &design, cancel, &mut sampler)?;
+    let found = sampler.modes.filter(|_| !sampler.states.is_empty());
+    Ok(found.map(|modes| structure.started(&modes)).transpose()?)
 }
 
 fn watch(

@@ -42,6 +42,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> OnStructure for
         Point { x: x.value, v: v.value }
     }
 
+    /// Those of the structure itself, without the coordinates of masses that are tied to it.
+    fn modes_of(&self, state: &Self::State) -> Vec<Point<R>> {
+        let each = state.modes.places.iter().zip(&state.modes.velocities);
+        let own = each.take(self.own_modes());
+        own.map(|(q, rate)| Point { x: q.value, v: rate.value }).collect()
+    }
+
     /// That of all modes, masses and springs; a weight has none on its lower stop.
     fn energy(&self, state: &Self::State) -> R {
         let mut sum = R::ZERO;
