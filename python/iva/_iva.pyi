@@ -50,6 +50,7 @@ __all__ = [
     "simulate",
     "slow_manifold",
     "state",
+    "state_of_modes",
     "states",
     "sweep_into",
     "switch",

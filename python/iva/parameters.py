@@ -801,8 +801,9 @@ class Start(Part):
     angular_velocity: float | None = None
     time: float | None = None
     reference: float | None = None
-    displacements: Sequence[float] | None = None
-    velocities: Sequence[float] | None = None
+    # Any: else a dict of numbers would be no arguments of a start.
+    displacements: Any = None
+    velocities: Any = None
 
 
 def spec(

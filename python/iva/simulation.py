@@ -570,7 +570,7 @@ def state_of(
     else:
         kept = {"time": row["time"], **dict(zip(start._of_modes, modes, strict=True))}
     angle = row["angle"]
-    if angle is not None and math.cos(angle) < STEEP:
+    if len(rows) == 1 and angle is not None and math.cos(angle) < STEEP:
         place = ("angle", "angular_velocity")
     else:
         place = ("gap_displacement", "gap_velocity")

@@ -26,7 +26,7 @@ def frame(**more: Any) -> iva.Structure:
     """By its matrices, damped."""
     return iva.Structure(
         points=["first", "second", "top"],
-        mass=np.diag([80.0, 60.0, 40.0]),
+        mass=np.diag([80.0, 60.0, 40.0]).tolist(),
         stiffness=[[9e4, -4e4, 0.0], [-4e4, 6e4, -2e4], [0.0, -2e4, 2e4]],
         damping=[[60.0, -20.0, 0.0], [-20.0, 40.0, -15.0], [0.0, -15.0, 15.0]],
         absorber_at="top",
@@ -67,7 +67,7 @@ SCENES: dict[str, tuple[Any, iva.Structure, Any]] = {
     "pendulum": ([PENDULUM, MASS], frame(), PUSH),
     "tuned": (TUNED, structure(damping_ratios=0.01, start_displacements=[0.4, 0.05]), PUSH),
     "stop": (
-        [MASS, iva.Stop(restitution=0.6, gap_mm=35.0)],
+        [MASS, iva.Stop(restitution=0.6, gap_mm=90.0)],
         structure(damping_ratios=0.01, start_displacements=[0.4, 0.05]),
         PUSH,
     ),
@@ -79,21 +79,21 @@ def test_the_motion_goes_on(name: str) -> None:
     """The impacts of the run that was not cut, to what its condition makes of rounding."""
     absorber, primary, force = SCENES[name]
     given: dict[str, Any] = {} if force is None else {"force": force}
-    run = iva.simulate(absorber, primary, start=iva.Start(), duration=6.0, errors=True, **given)
+    run = iva.simulate(absorber, primary, start=iva.Start(), duration=3.0, errors=True, **given)
     condition = run.summary["condition"].item()
-    lost = 64 * np.finfo(float).eps * (condition + 6.0)
-    assert lost < 1e-9
-    for time in (0.7, 1.9, 3.3):
+    lost = 64 * np.finfo(float).eps * (condition + 3.0)
+    assert lost < 1e-8
+    for time in (0.3, 0.9, 1.6):
         start = run.state_at(time)
-        later = iva.simulate(absorber, primary, start=start, duration=6.0 - time, **given)
+        later = iva.simulate(absorber, primary, start=start, duration=3.0 - time, **given)
         # Impacts below the floor of a chatter are listed or not by their speed.
         slow = pl.col("approach_velocity").abs() > 1e-4
-        kept = pl.col("time").is_between(time, 5.99) & slow
+        kept = pl.col("time").is_between(time, 2.99) & slow
         columns = ("absorber", "wall", "time", "displacement", "velocity_after")
         found, expected = (of.impacts.filter(kept).select(columns) for of in (later, run))
         assert expected.height > 3
         assert_frame_equal(found, expected, abs_tol=lost, rel_tol=0)
-        seen = [of.at([5.5])["displacement"].to_list() for of in (later, run)]
+        seen = [of.at([2.8])["displacement"].to_list() for of in (later, run)]
         assert seen[0] == pytest.approx(seen[1], abs=lost)
 
 
@@ -119,4 +119,4 @@ def test_starts_of_modes_where_there_are_none() -> None:
     with pytest.raises(ValueError, match=r"structure\.start_displacements"):
         iva.simulate(None, structure(), start=iva.Start(displacements=[0.2]), periods=1)
     with pytest.raises(TypeError, match=r"start\.velocities"):
-        iva.Start(velocities="fast")  # type: ignore[arg-type]
+        iva.Start(velocities="fast")

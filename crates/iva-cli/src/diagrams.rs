@@ -225,10 +225,10 @@ fn shares(found: &Basins) -> String {
 
 fn described(orbit: &Found) -> String {
     let [x, v, y, w] = [
-        orbit.course.state.displacement,
-        orbit.course.state.velocity,
-        orbit.course.state.gap_displacement,
-        orbit.course.state.gap_velocity,
+        orbit.course.state().displacement,
+        orbit.course.state().velocity,
+        orbit.course.state().gap_displacement,
+        orbit.course.state().gap_velocity,
     ]
     .map(|number| short(number, 4));
     let count = orbit.course.impacts.len();

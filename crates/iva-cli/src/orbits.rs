@@ -101,8 +101,8 @@ fn described(found: &Found, units: UnitSystem) -> String {
     let mut line = |name: &str, text: String| {
         let _ = writeln!(out, "  {name:<24}{text}");
     };
-    for (name, multiplier) in ["multipliers", "", "", ""].iter().zip(&spectrum.multipliers) {
-        line(name, complex(multiplier));
+    for (k, multiplier) in spectrum.multipliers.iter().enumerate() {
+        line(if k == 0 { "multipliers" } else { "" }, complex(multiplier));
     }
     line("rank", spectrum.rank.to_string());
     if let Some(amplitude) = found.amplitude {
@@ -115,16 +115,27 @@ fn described(found: &Found, units: UnitSystem) -> String {
     if let Some(error) = found.error {
         line("error in doubles", short(error, 3));
     }
-    let state = &course.state;
+    let state = course.state();
     for (name, value, quantity) in [
         ("at time", state.time, Quantity::Time),
         ("displacement", state.displacement, Quantity::Length),
         ("velocity", state.velocity, Quantity::Velocity),
-        ("gap displacement", state.gap_displacement, Quantity::Length),
-        ("gap velocity", state.gap_velocity, Quantity::Velocity),
     ] {
         let unit = units.unit(quantity);
         line(name, format!("{} {unit}", short(value, ALL_DIGITS)));
+    }
+    for state in &course.states {
+        let number = match course.states.len() {
+            1 => String::new(),
+            _ => format!(" {}", state.absorber),
+        };
+        for (name, value, quantity) in [
+            ("gap displacement", state.gap_displacement, Quantity::Length),
+            ("gap velocity", state.gap_velocity, Quantity::Velocity),
+        ] {
+            let unit = units.unit(quantity);
+            line(&format!("{name}{number}"), format!("{} {unit}", short(value, ALL_DIGITS)));
+        }
     }
     out
 }
@@ -200,7 +211,7 @@ pub(crate) fn write_new(path: Option<&Path>, text: &str, report: &str) -> Result
 
 /// The scene with the start on the orbit.
 fn on_orbit(spec: &Spec, found: &Found) -> Result<Spec, iva_sweep::Invalid> {
-    let (mut spec, state) = (spec.clone(), &found.course.state);
+    let (mut spec, state) = (spec.clone(), found.course.state());
     spec.replace(FieldId::Displacement, state.displacement)?;
     spec.replace(FieldId::Velocity, state.velocity)?;
     match state.angle {

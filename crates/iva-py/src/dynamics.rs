@@ -1,5 +1,6 @@
 //! Periodic orbits for Python, in the user's units.
 
+use iva_sweep::dynamics::branches::Complex;
 use iva_sweep::dynamics::words::words;
 use iva_sweep::dynamics::{
     self as engine, Asked, Course, Found, Impact, State, StickEpisode, ToTwice,
@@ -48,10 +49,12 @@ pub(crate) fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, 
     dict.set_item("least_periods", found.least_periods)?;
     dict.set_item("symmetric", found.symmetric)?;
     let spectrum = &found.spectrum;
-    dict.set_item("multipliers", spectrum.multipliers.map(|it| (it.re, it.im)))?;
-    dict.set_item("multiplier_errors", spectrum.errors)?;
-    let (half, errors) = spectrum.half.unzip();
-    dict.set_item("half_multipliers", half.map(|half| half.map(|it| (it.re, it.im))))?;
+    let pairs =
+        |all: &Vec<Complex<f64>>| -> Vec<_> { all.iter().map(|it| (it.re, it.im)).collect() };
+    dict.set_item("multipliers", pairs(&spectrum.multipliers))?;
+    dict.set_item("multiplier_errors", &spectrum.errors)?;
+    let (half, errors) = spectrum.half.as_ref().map(|(half, errors)| (pairs(half), errors)).unzip();
+    dict.set_item("half_multipliers", half)?;
     dict.set_item("half_multiplier_errors", errors)?;
     dict.set_item("rank", spectrum.rank)?;
     dict.set_item("determinant_error", spectrum.determinant_error)?;
@@ -69,7 +72,9 @@ pub(crate) fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, 
 /// One cycle: state, impacts, episodes and walls.
 fn course<'py>(py: Python<'py>, course: &Course) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("state", state(py, &course.state)?)?;
+    let states = course.states.iter().map(|it| state(py, it));
+    dict.set_item("states", states.collect::<PyResult<Vec<_>>>()?)?;
+    dict.set_item("modes", course.modes.as_ref())?;
     let impacts = course.impacts.iter().map(|it| impact(py, it));
     dict.set_item("impacts", impacts.collect::<PyResult<Vec<_>>>()?)?;
     let episodes = course.episodes.iter().map(|it| episode(py, it));
@@ -92,6 +97,7 @@ fn state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyDict>> {
 
 fn impact<'py>(py: Python<'py>, impact: &Impact) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
+    dict.set_item("absorber", impact.absorber)?;
     dict.set_item("time", impact.time)?;
     dict.set_item("wall", impact.wall.number())?;
     dict.set_item("displacement", impact.displacement)?;
@@ -106,6 +112,7 @@ fn impact<'py>(py: Python<'py>, impact: &Impact) -> PyResult<Bound<'py, PyDict>>
 
 fn episode<'py>(py: Python<'py>, episode: &StickEpisode) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
+    dict.set_item("absorber", episode.absorber)?;
     dict.set_item("wall", episode.wall.number())?;
     dict.set_item("start_time", episode.start_time)?;
     dict.set_item("stick_time", episode.stick_time)?;

@@ -6,8 +6,8 @@
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use iva_core::absorber::Clock;
 use iva_core::absorber::modal::FewModes;
+use iva_core::absorber::{Clock, Point};
 use iva_core::error::Invalid;
 use iva_core::host::DrivenHost;
 use iva_core::observe::{Events, Observer};
@@ -22,7 +22,7 @@ use iva_core::simulate::{Instant, Limits, resume};
 use iva_core::siva::Siva;
 
 use crate::design::Spec;
-use course::mirrored;
+use course::Moment;
 use family::{OfMember, with_member};
 
 pub mod attractors;
@@ -135,7 +135,7 @@ pub fn orbit(
     asked: Asked,
     cancel: &AtomicBool,
 ) -> Result<Result<Found, Missed>, Invalid> {
-    let family = Family::new(spec, None, asked.periods)?;
+    let family = Family::of_all(spec.clone(), asked.periods)?;
     let odd = asked.periods % 2 == 1;
     if asked.symmetric == Some(true) && !(family.mirrors && odd) {
         let rule = if odd {
@@ -178,7 +178,8 @@ fn found<S: OfMember + Iterated + Clone>(
     let exact = to_twice(spec, (S::in_doubles(&orbit), asked.periods), cycles, cancel)?;
     let Events { impacts, episodes } = exact.seen.events;
     let description = Description { impacts, episodes, ..Description::default() };
-    let (course, mirrored) = seen_at.courses(family, &exact.seen.states, &description)?;
+    let sampled = (&exact.seen.states[..], &exact.seen.modes[..]);
+    let (course, mirrored) = seen_at.courses(family, sampled, &description)?;
     let (residual, error) = (exact.residual, Some(exact.error));
     Ok(Found { course, mirrored, residual, error, ..found })
 }
@@ -215,22 +216,27 @@ impl SeenAt {
     fn courses(
         &self,
         family: &Family,
-        states: &[State],
+        (states, modes): (&[State], &[Vec<Point>]),
         description: &Description,
     ) -> Result<(Course, Option<Course>), Missed> {
-        let [at, later] = states else { return Err(Missed::Cycle(Outcome::NotFinite)) };
+        let each = family.middles.len();
+        let ([at, later], [modes, later_modes]) =
+            (&states.chunks(each).collect::<Vec<_>>()[..], modes)
+        else {
+            return Err(Missed::Cycle(Outcome::NotFinite));
+        };
         let Self { begin, length, .. } = *self;
-        let course = |state: State, description: Description| {
+        let course = |moment: (Moment<'_>, bool), description: Description| {
             let description = description.seen_from(begin, length);
-            family.course(&State { time: begin, ..state }, &description, length)
+            family.course(begin, moment, &description, length)
         };
         let image = || {
-            course(
-                mirrored(later, family.middle),
-                description.clone().mirrored(self.shift * length),
-            )
+            let moment = Moment { states: later, modes: later_modes };
+            course((moment, true), description.clone().mirrored(self.shift * length))
         };
-        Ok((course(*at, description.clone()), family.mirrors.then(image)))
+        let moment = Moment { states: at, modes };
+        let own = course((moment, false), description.clone())?;
+        Ok((own, family.mirrors.then(image).transpose()?))
     }
 }
 
@@ -245,8 +251,9 @@ fn told<S: Coordinates + Clone>(
     let spectrum = spectrum(orbit, &description, cancel)?;
     let length = orbit.trajectory.cycle.length;
     let seen_at = SeenAt::new(begin, (orbit, periods));
-    let states = sampled(&orbit.trajectory, &seen_at.instants(), cancel)?;
-    let (course, mirrored) = seen_at.courses(family, &states, &description)?;
+    let Sampler { states, modes, .. } = sampled(&orbit.trajectory, &seen_at.instants(), cancel)?;
+    let sampled = (&states[..], &modes.unwrap_or_default()[..]);
+    let (course, mirrored) = seen_at.courses(family, sampled, &description)?;
     let scale = &family.scale;
     Ok(Found {
         course,
@@ -312,11 +319,11 @@ fn sampled<S: Coordinates>(
     trajectory: &Trajectory<S>,
     instants: &[f64],
     cancel: Option<&AtomicBool>,
-) -> Result<Vec<State>, Missed> {
-    let mut sampler = Sampler::at(instants.to_vec());
+) -> Result<Sampler, Missed> {
+    let mut sampler = Sampler::with_modes(instants.to_vec());
     let last = instants.last().copied().unwrap_or(trajectory.cycle.begin);
     shown(trajectory, last, cancel, &mut sampler)?;
-    Ok(sampler.states)
+    Ok(sampler)
 }
 
 /// The walls that a run over one cycle meets.
@@ -342,13 +349,13 @@ fn least_periods<S: Coordinates>(
     cancel: Option<&AtomicBool>,
 ) -> Result<u32, Missed> {
     let Trajectory { system, state, cycle: Cycle { begin, length }, .. } = &orbit.trajectory;
-    let at = system.coordinates(state);
+    let at = system.point(state);
     for divisor in (1..periods).filter(|divisor| periods.is_multiple_of(*divisor)) {
         let share = f64::from(divisor) / f64::from(periods);
         let later = Limits::new(begin + length * share, system.clearance());
         let from = Instant { time: Clock::new(*begin), state: *state };
         let end = resume(system, &from, &later, cancel, &mut ())?.state;
-        if (system.coordinates(&end) - at).amax() <= SAME * at.amax().max(system.clearance()) {
+        if (system.point(&end) - &at).amax() <= SAME * at.amax().max(system.clearance()) {
             return Ok(divisor);
         }
     }

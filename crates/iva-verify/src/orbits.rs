@@ -69,11 +69,12 @@ fn exact<S: Coordinates, T: Numbered<Real = Twofold>>(
     let section = Twofold::from(orbit.trajectory.cycle.begin);
     let part = length * if orbit.symmetric { 0.5 } else { 1.0 };
     let stretch = Stretch { begin: section, length: part, mirrored: orbit.symmetric };
-    let at = orbit.trajectory.system.coordinates(&orbit.trajectory.state);
+    let at = orbit.trajectory.system.point(&orbit.trajectory.state);
     let exact = polish(system, stretch, (&at, &orbit.derivative), cancel)?;
     let instants = cycles.map(|cycles| begin + length * cycles);
-    let seen = shown(system, (section, exact.at), length, &instants, cancel)?;
-    let off = (0..4).map(|k| f64::from(exact.at[k] - at[k]).abs()).fold(0.0, f64::max);
+    let seen = shown(system, (section, &exact.at), length, &instants, cancel)?;
+    let off = exact.at.iter().zip(&at).map(|(exact, at)| f64::from(*exact - *at).abs());
+    let off = off.fold(0.0, f64::max);
     let error = off / at.amax().max(system.clearance().into());
     Ok(Exact { seen, residual: exact.residual, error })
 }

@@ -24,6 +24,7 @@ from iva.spelling import spell_checked
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from typing import Any
 
     from iva import theory
     from iva.simulation import Run
@@ -261,7 +262,7 @@ def basins(
         whole("most_cycles", most_cycles, 1, MOST_CYCLES),
         whole("side", side, 1, MOST_SIDE),
     )
-    states = None if given is None else [orbit.state for orbit in given]
+    states: list[Any] | None = None if given is None else [orbit.state for orbit in given]
     with reporting(progress) as report:
         found = _iva.basins(made, names, values, states, limits, report)
     parts = (absorber, primary, single(force))

@@ -9,7 +9,7 @@ from iva import _iva
 from iva.dynamics.branch_measures import measured
 from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed, Orbit, rounded
-from iva.dynamics.search import orbit_of, whole
+from iva.dynamics.search import alone, orbit_of, whole
 from iva.forces import listed
 from iva.parameters import shown, spec
 from iva.progress import Progress, reporting
@@ -364,6 +364,7 @@ def follow(
     """
     if not isinstance(orbit, Orbit):
         raise TypeError(f"orbit = {shown(orbit)}: give an orbit that dynamics.orbit has found")
+    alone(orbit)
     made = Scene(orbit.absorber, orbit.primary, orbit.force, orbit.start, over)
     low, high = between
     steps = (float(step), whole("most_points", most_points, 1, MOST_POINTS))

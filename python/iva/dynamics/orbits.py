@@ -6,8 +6,10 @@ from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
 from iva.forces import Drive, Harmonic, listed
-from iva.parameters import Absorber, Primary, Start, spec
+from iva.parameters import Primary, Start, spec
 from iva.scene_lines import scene_lines
+from iva.scenes import absorbers
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -17,10 +19,15 @@ if TYPE_CHECKING:
 
     from iva.simulation import Run
 
-#: Displacement and velocity of the primary system, gap displacement and gap velocity.
-State = tuple[float, float, float, float]
-#: Four multipliers.
+#: A primary system in the units of a structure with several modes.
+IN_SI = Primary(mass=1.0, stiffness=1.0)
+#: Displacement and velocity of the primary system, gap displacement and gap velocity of each
+#: absorber.
+State = tuple[float, ...]
+#: Four multipliers, of one absorber on one mode.
 Four = tuple[complex, complex, complex, complex]
+#: Multipliers, as many as the numbers of a state.
+Multipliers = tuple[complex, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +50,8 @@ class Impact:
         Signed gap velocity just before.
     energy_loss : float
         Energy lost in the impact.
+    absorber : int
+        The number of its absorber in a list, from 0.
     """
 
     time: float
@@ -54,6 +63,7 @@ class Impact:
     absorber_velocity_after: float
     approach_velocity: float
     energy_loss: float
+    absorber: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +85,8 @@ class Episode:
         Number of its listed impacts.
     energy_loss : float
         Energy lost in all its impacts, listed or summed.
+    absorber : int
+        The number of its absorber in a list, from 0.
     """
 
     wall: int
@@ -83,6 +95,7 @@ class Episode:
     release_time: float | None
     impacts: int
     energy_loss: float
+    absorber: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +123,9 @@ class Orbit:
         Number of periods after which it does: a divisor of `periods`.
     period : float
         Time of `periods` periods of the force: the length of its cycle.
-    state : tuple of float, length 4
+    state : tuple of float, length 4 or more
         Displacement and velocity of the primary system, gap displacement and gap velocity at the
-        instant of `start`.
+        instant of `start`; of several absorbers the latter two of each.
     start : Start
         State from which a run stays on the orbit, at the phase of the force of the start that the
         orbit was sought from. The run drifts away in time from an orbit that is not stable.
@@ -122,25 +135,27 @@ class Orbit:
         Its stick episodes, in order of the begin of their ride.
     walls : str
         The walls in order of time: ``+`` or ``-`` for an impact, ``(+)`` or ``(-)`` for a stick
-        episode with all its impacts.
+        episode with all its impacts; of several absorbers each with the number of its own before
+        it, as in ``0+1+0-1-``.
     walls_of_start : str
         The same of the run from the start of the search, over one cycle. Where the two differ,
         the search has changed the sequence of impacts.
     symmetric : bool
         It is its own mirror image half a cycle later.
-    multipliers : tuple of complex, length 4
+    multipliers : tuple of complex, length 4 or more
         Floquet multipliers: what a small change of the state is multiplied by in a cycle; largest
-        first. With a ride on a wall two are exactly 0.
-    multiplier_errors : tuple of float, length 4
+        first. There are two of each mode and each absorber. With a ride on a wall two are exactly
+        0.
+    multiplier_errors : tuple of float, of the same length
         Bounds on their absolute errors.
-    half_multipliers : tuple of complex, length 4, or None
+    half_multipliers : tuple of complex, of the same length, or None
         Of a symmetric orbit those of half a cycle, seen in the mirror; `multipliers` are their
         squares.
-    half_multiplier_errors : tuple of float, length 4, or None
+    half_multiplier_errors : tuple of float, of the same length, or None
         Bounds on the absolute errors of these.
     rank : int
-        Largest rank that the derivative over a cycle can have: 2 with a ride on a wall, 3 with a
-        plastic impact without one, else 4.
+        Largest rank that the derivative over a cycle can have: as many as there are multipliers,
+        2 less for each absorber with a ride on a wall, 1 less for each other with a plastic impact.
     stable : bool
         All multipliers are smaller than 1 in size.
     residual : float
@@ -181,8 +196,9 @@ class Orbit:
     [(3.0055, 1), (6.1471, -1)]
     """
 
-    absorber: Absorber
-    primary: Primary
+    # Any: an absorber or a list, a primary or a structure, as they were given.
+    absorber: Any
+    primary: Any
     force: Drive
     periods: int
     least_periods: int
@@ -194,10 +210,10 @@ class Orbit:
     walls: str
     walls_of_start: str
     symmetric: bool
-    multipliers: Four
-    multiplier_errors: tuple[float, float, float, float]
-    half_multipliers: Four | None
-    half_multiplier_errors: tuple[float, float, float, float] | None
+    multipliers: Multipliers
+    multiplier_errors: tuple[float, ...]
+    half_multipliers: Multipliers | None
+    half_multiplier_errors: tuple[float, ...] | None
     rank: int
     stable: bool
     residual: float
@@ -215,9 +231,8 @@ class Orbit:
         """Its impacts as a frame, one row an impact, columns as the fields of `Impact`."""
         import polars as pl
 
-        schema = {
-            one.name: pl.Int64 if one.name == "wall" else pl.Float64 for one in fields(Impact)
-        }
+        whole = ("wall", "absorber")
+        schema = {one.name: pl.Int64 if one.name in whole else pl.Float64 for one in fields(Impact)}
         return pl.DataFrame([astuple(impact) for impact in self.impacts], schema, orient="row")
 
     def mirror(self) -> Orbit:
@@ -283,9 +298,10 @@ class Orbit:
         lines = [f"Orbit: {kind}, {shape}, {count} in {span}"]
         lines.append(f"  multipliers {', '.join(rounded(one) for one in self.multipliers)}")
         lines += [f"  {', '.join(known)}"] if known else []
-        parts = (self.absorber, self.primary, *listed(self.force), self.start)
+        parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
         lines += [f"  {line}" for line in scene_lines(*parts)]
-        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        of_units = IN_SI if isinstance(self.primary, Structure) else self.primary
+        lines.append(f"  {_iva.primary_units(spec(of_units))}")
         return "\n".join(lines)
 
 

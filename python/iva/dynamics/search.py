@@ -8,10 +8,11 @@ from iva import _iva, theory
 from iva.doubts import warn_of_doubts
 from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorber, Primary, Start, Stop, numbers, shown
-from iva.scenes import scene
+from iva.parameters import Absorbers, Primary, Start, Stop, numbers, shown
+from iva.scenes import absorbers, scene
 from iva.simulation import Run, state_of, truth
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ NAMES = ("displacement", "velocity", "gap_displacement", "gap_velocity")
 
 @spell_checked
 def orbit(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     start: Start | Run | theory.Orbit | Orbit | Iterable[float],
@@ -43,18 +44,19 @@ def orbit(
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, up to four absorbers and
+        modes, of which masses with a spring or a dashpot count twice.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
         other: a period is then the shortest after which all of them repeat.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,)
-        Where the search begins: a start, the last state of a run, the start of an orbit, or
-        displacement and velocity of the primary system, gap displacement and gap velocity at time
-        zero. The instant of the start sets the phase of the force at which `state` and `start` of
-        the result are given.
+        Where the search begins: a start, the last state of a run, the start of an orbit, or, of one
+        absorber on one mode, displacement and velocity of the primary system, gap displacement and
+        gap velocity at time zero. The instant of the start sets the phase of the force at which
+        `state` and `start` of the result are given.
     periods : int, default 1
         Number n of periods of the force after which the orbit repeats, up to 1000.
     symmetric : bool, optional
@@ -103,9 +105,11 @@ def orbit(
     >>> round(abs(found.multipliers[0]), 6)
     0.722149
     """
+    if isinstance(absorber, (list, tuple)) and len(absorber) == 1:
+        absorber = absorber[0]
     begin = start_of(start, absorber)
     forces = listed(force)
-    made = scene(absorber, primary, begin, forces, {})
+    made = scene(absorber, primary, begin, forces, {}, several=True)
     warn_of_doubts(made)
     asked = (
         whole("periods", periods, 1, MOST_PERIODS),
@@ -119,7 +123,7 @@ def orbit(
 
 def orbit_of(
     found: dict[str, Any],
-    parts: tuple[Absorber, Primary, Drive],
+    parts: tuple[Absorbers, Primary | Structure, Drive],
     periods: int,
     begin: Start,
 ) -> Orbit | Missed:
@@ -150,24 +154,27 @@ def orbit_of(
     )
 
 
-def course(made: dict[str, Any], absorber: Absorber, reference: Start | None) -> Course:
+def course(made: dict[str, Any], absorber: Absorbers, reference: Start | None) -> Course:
     """Return a cycle that the compiled part describes; `reference` is of a relative clearance."""
-    row = made["state"]
+    rows, begin = made["states"], REST if reference is None else reference
+    state = [rows[0][name] for name in NAMES[:2]]
     return Course(
-        state=tuple(row[name] for name in NAMES),
-        start=state_of([row], absorber, REST if reference is None else reference),
+        state=(*state, *(row[name] for row in rows for name in NAMES[2:])),
+        start=state_of(rows, absorber, begin, made["modes"]),
         impacts=tuple(Impact(**fields) for fields in made["impacts"]),
         episodes=tuple(Episode(**fields) for fields in made["episodes"]),
         walls=made["walls"],
     )
 
 
-def given_relative(absorber: Absorber) -> bool:
-    """Return whether the clearance is a multiple of a displacement."""
-    return absorber.relative_clearance is not None
+def given_relative(absorber: Absorbers) -> bool:
+    """Return whether a clearance is a multiple of a displacement."""
+    return any(
+        one is not None and one.relative_clearance is not None for one in absorbers(absorber)
+    )
 
 
-def start_of(start: object, absorber: Absorber) -> Start:
+def start_of(start: object, absorber: object) -> Start:
     """Return the start that a search begins with; a stop has no gap of its own.
 
     Raises
@@ -181,11 +188,15 @@ def start_of(start: object, absorber: Absorber) -> Start:
         return start
     if isinstance(start, (theory.Orbit, Orbit)):
         return start.start
+    if isinstance(start, Run) and (several(start.absorber) or isinstance(start.primary, Structure)):
+        return start.state_at(start.trajectory(1)["time"][-1])
     if isinstance(start, Run):
         row = start.trajectory(1).row(-1, named=True)
         return state_of([row], start.absorber, start.start)
     if isinstance(start, Iterable) and not isinstance(start, str):
         values = numbers("start", start)
+        if several(absorber):
+            raise ValueError("start: of several absorbers give an iva.Start, a run or an orbit")
         if len(values) != len(NAMES):
             rule = f"give {', '.join(NAMES)}"
             raise ValueError(f"start has {len(values)} numbers: {rule}")
@@ -194,6 +205,24 @@ def start_of(start: object, absorber: Absorber) -> Start:
         return Start(**{name: given[name] for name in kept})
     rule = "give an iva.Start, four numbers, a run or an orbit"
     raise TypeError(f"start = {shown(start)}: {rule}")
+
+
+def several(absorber: object) -> bool:
+    """Return whether there are several absorbers."""
+    return isinstance(absorber, (list, tuple)) and len(absorber) > 1
+
+
+def alone(orbit: Orbit) -> None:
+    """Look whether an orbit is one of a single absorber on one mode.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+    """
+    if isinstance(orbit.absorber, (list, tuple)) or isinstance(orbit.primary, Structure):
+        rule = "give one of a single absorber on an iva.Primary"
+        raise ValueError(f"orbit is one of several absorbers, or on several modes: {rule}")
 
 
 def whole(field: str, value: object, least: int, most: int) -> int:

@@ -140,7 +140,7 @@ def marked(axes: Axes, branches: Sequence[Branch], y: str) -> None:
 def height(row: Row, y: str) -> float:
     """Return the value of a column at a special point."""
     if y == "largest_multiplier":
-        return abs(row.multipliers[0])
+        return float(abs(row.multipliers[0]))
     value: float | None = getattr(row, y)
     return math.nan if value is None else value
 

@@ -97,6 +97,7 @@ mod motion;
 mod on_structure;
 mod oscillation;
 mod pendulum;
+mod point;
 mod propagator;
 mod regime;
 mod series;

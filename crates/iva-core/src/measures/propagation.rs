@@ -27,11 +27,14 @@
 
 pub use crate::absorber::derivatives::{Differentiable, free_mass_impact, free_mass_stick};
 pub use errors::{Errors, TimeError};
-pub use tangent::Tangent;
 pub(crate) use tangent::saltation;
+pub use tangent::{Derivative, Tangent};
+pub use tangents::Tangents;
 pub use ways::{ByLists, ByTangents, Estimated, Way};
 
 mod errors;
+mod jumps;
 mod lists;
 mod tangent;
+mod tangents;
 mod ways;

@@ -70,8 +70,8 @@ pub struct Sampler<R = f64> {
     landed: bool,
     /// The samples taken so far, in order of time.
     pub states: Vec<State<R>>,
-    /// q and q̇ of each mode of a structure with points at the last sample, if they are wanted.
-    pub modes: Option<Vec<Point<R>>>,
+    /// q and q̇ of each mode of a structure with points at each sample, if they are wanted.
+    pub modes: Option<Vec<Vec<Point<R>>>>,
 }
 
 impl<R: Real> Sampler<R> {
@@ -92,9 +92,9 @@ impl<R: Real> Sampler<R> {
         }
     }
 
-    /// Samples at one instant, with q and q̇ of each mode.
-    pub fn with_modes(time: R) -> Self {
-        Self { modes: Some(Vec::new()), ..Self::at(vec![time]) }
+    /// Samples at `times` with q and q̇ of each mode.
+    pub fn with_modes(times: Vec<R>) -> Self {
+        Self { modes: Some(Vec::new()), ..Self::at(times) }
     }
 
     /// Samples at `times` and both states of every impact.
@@ -113,7 +113,7 @@ impl<R: Real> Sampler<R> {
         let Seen { state, primary, gap, acceleration } = motion.seen(h);
         let energy = system.energy(&state);
         if let Some(modes) = &mut self.modes {
-            *modes = system.modes_of(&state);
+            modes.push(system.modes_of(&state));
         }
         for absorber in 0..motion.absorbers().max(1) {
             let single = motion.absorbers() <= 1;

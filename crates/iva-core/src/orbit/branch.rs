@@ -16,7 +16,7 @@ use super::chain::Chain;
 use super::conditions::Condition;
 use super::coordinates::Coordinates;
 use super::family::{Family, Scenes};
-use super::multipliers::{largest_first, multipliers};
+use super::multipliers::{largest_first, of_four};
 use follower::{Follower, Side};
 
 mod brink;
@@ -156,7 +156,7 @@ pub(super) fn multipliers_of(
     map: &Matrix4<f64>,
     symmetric: bool,
 ) -> ([Complex<f64>; 4], Option<[Complex<f64>; 4]>) {
-    let own = multipliers(map);
+    let own = of_four(map);
     if symmetric { (largest_first(own.map(|it| it * it)), Some(own)) } else { (own, None) }
 }
 

@@ -1,13 +1,14 @@
-//! The state as four numbers, in which orbits are sought: those that [`Differentiable`] speaks of.
+//! The state as numbers, in which orbits are sought: of one absorber on one mode the four that [`Differentiable`] speaks of, of a system of
+//! several members or modes a point of as many as it has.
 
-use nalgebra::Vector4;
+use nalgebra::{DVector, Vector4};
 
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, OnStructure, Start, Wall};
 use crate::host::Host;
-use crate::measures::propagation::Differentiable;
+use crate::measures::propagation::{Derivative, Differentiable, Tangent, Tangents};
 use crate::number::real::Real;
 
 /// An absorber whose states in flight follow from four numbers and the phase of the drive: x, ẋ, y from the middle of the gap and
@@ -18,15 +19,35 @@ pub trait Numbered: Absorber {
     fn numbers(&self, state: &Self::State) -> [Self::Real; 4];
     /// The start with these numbers, which may be of no place in the gap.
     fn numbered(&self, numbers: [Self::Real; 4]) -> Self::Start;
+    /// All numbers of a state: these four, or q and q̇ of all modes and y from the middle of the gap and ẏ of each member that is not a
+    /// stop on the ground.
+    fn all_numbers(&self, state: &Self::State) -> Vec<Self::Real> {
+        self.numbers(state).to_vec()
+    }
+    /// The start with all these numbers, which may be of no place in a gap; `None` if there are more or fewer.
+    fn all_numbered(&self, numbers: &[Self::Real]) -> Option<Self::Start> {
+        Some(self.numbered(numbers.try_into().ok()?))
+    }
 }
 
 /// One that runs in doubles, with the derivatives of its motion.
-pub trait Coordinates: Differentiable + Numbered {
-    /// The numbers of a state.
+pub trait Coordinates: Differentiable + Numbered + Sized {
+    /// The observer of the derivative of a run, in all numbers of a state.
+    type Derivative: Derivative<Self>;
+    /// The point of a state: all its numbers.
+    fn point(&self, state: &Self::State) -> DVector<f64> {
+        self.all_numbers(state).into()
+    }
+    /// The start at a point; `None` if it is of no place in a gap.
+    fn start_of(&self, point: &DVector<f64>) -> Option<Self::Start> {
+        let start = self.all_numbered(point.as_slice())?;
+        self.check_start(&start).is_ok().then_some(start)
+    }
+    /// The four numbers of a state.
     fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
         self.numbers(state).into()
     }
-    /// The start with these numbers; `None` if they are of no place in the gap.
+    /// The start with these four numbers; `None` if they are of no place in the gap.
     fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start> {
         let start = self.numbered((*numbers).into());
         self.check_start(&start).is_ok().then_some(start)
@@ -72,6 +93,8 @@ impl<H: Host<Real = f64>> Coordinates for Siva<H>
 where
     Self: Differentiable + Absorber<Start = Start>,
 {
+    type Derivative = Tangent;
+
     /// 2ζ.
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         Some(2.0 * self.damping_ratio())
@@ -110,6 +133,8 @@ where
 }
 
 impl<H: Host<Real = f64>> Coordinates for Piva<H> {
+    type Derivative = Tangent;
+
     /// The trace of the damping matrix over the mass matrix, (2ζ κ + 2ζp r κ (1 + μ))/(κ (1 + μ) − μ cos²θ).
     fn contraction(&self, gap_displacement: f64) -> Option<f64> {
         let Parameters { mass_ratio, damping_ratio, inertia_ratio, contact_distance, .. } =
@@ -139,11 +164,24 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Numbered for Mo
         let [displacement, velocity] = if self.on_ground(0) { [y, w] } else { [x, v] };
         Start { displacement, velocity, gap_displacement: y, gap_velocity: w }.into()
     }
+
+    fn all_numbers(&self, state: &Self::State) -> Vec<R> {
+        if self.is_single() { self.numbers(state).to_vec() } else { self.point_of(state) }
+    }
+
+    fn all_numbered(&self, numbers: &[R]) -> Option<Self::Start> {
+        if self.is_single() {
+            return Some(self.numbered(numbers.try_into().ok()?));
+        }
+        self.start_of_point(numbers)
+    }
 }
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<H, N, M> {
+    type Derivative = Tangents;
+
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
-        self.shrinking().filter(|_| !self.on_ground(0))
+        self.shrinking().filter(|_| !(self.is_single() && self.on_ground(0)))
     }
 
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
@@ -151,6 +189,10 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<
     }
 
     fn dimension(&self) -> usize {
-        if self.on_ground(0) { 2 } else { 4 }
+        match self.is_single() {
+            true if self.on_ground(0) => 2,
+            true => 4,
+            false => self.independent().len(),
+        }
     }
 }

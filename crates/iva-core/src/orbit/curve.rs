@@ -14,7 +14,7 @@ use super::conditions::{Condition, Kind, Tests, turns};
 use super::continuation::{Curve, OnCurve, distance, kernel};
 use super::coordinates::Coordinates;
 use super::family::{Conditioned, Family, Scenes};
-use super::multipliers::multipliers;
+use super::multipliers::of_four;
 use crate::run::side_by_side::{is_set, one_more};
 
 /// First and smallest step along a curve, in scales, and by how much a step grows.
@@ -100,7 +100,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
     /// the condition of the curve.
     fn broken(&self, at: &DVector<f64>) -> Option<End> {
         let (system, passed, cycle) = self.family.passed(at, false)?;
-        if self.condition == Condition::NeimarkSacker && !turns(&multipliers(&passed.map)) {
+        if self.condition == Condition::NeimarkSacker && !turns(&of_four(&passed.map)) {
             return Some(End::Resonance);
         }
         let broken = Tests::new(&system, &passed, cycle).broken();

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::Cycle;
 use super::coordinates::Coordinates;
-use super::margins::margin;
+use super::margins::margin_of;
 use super::periodic::{Missed, Orbit, reached};
 use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
@@ -107,20 +107,26 @@ impl Description {
     }
 
     /// The walls in order of time: `+` or `-` for an impact, and `(+)` or `(-)` for a stick episode with all its impacts,
-    /// where its stick begins.
+    /// where its stick begins; of several absorbers each with the number of its absorber before it.
     pub fn walls(&self, length: f64) -> String {
-        let within = |time: f64, episode: &StickEpisode| {
+        let within = |impact: &Impact, episode: &StickEpisode| {
             // The chatter may have begun in the cycle before.
-            let since = (time - episode.start_time).rem_euclid(length);
-            since <= episode.stick_time - episode.start_time
+            let since = (impact.time - episode.start_time).rem_euclid(length);
+            let same = impact.absorber == episode.absorber;
+            same && since <= episode.stick_time - episode.start_time
         };
-        let single = |impact: &&Impact| !self.episodes.iter().any(|it| within(impact.time, it));
-        let sign = |wall: Wall| if wall == Wall::Plus { "+" } else { "-" };
+        let single = |impact: &&Impact| !self.episodes.iter().any(|it| within(impact, it));
+        let of = self.impacts.iter().map(|it| it.absorber);
+        let several = of.chain(self.episodes.iter().map(|it| it.absorber)).any(|it| it > 0);
+        let sign = |wall: Wall, absorber: u8| {
+            let sign = if wall == Wall::Plus { "+" } else { "-" };
+            if several { format!("{absorber}{sign}") } else { sign.to_owned() }
+        };
         let impacts = self.impacts.iter().filter(single);
         let mut marks: Vec<(f64, String)> =
-            impacts.map(|impact| (impact.time, sign(impact.wall).to_owned())).collect();
+            impacts.map(|impact| (impact.time, sign(impact.wall, impact.absorber))).collect();
         let sticks = self.episodes.iter();
-        marks.extend(sticks.map(|it| (it.stick_time, format!("({})", sign(it.wall)))));
+        marks.extend(sticks.map(|it| (it.stick_time, format!("({})", sign(it.wall, it.absorber)))));
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         marks.into_iter().map(|(_, mark)| mark).collect()
     }
@@ -133,36 +139,48 @@ struct Extrema {
     /// The instant of each extremum of y, and its distance to the closer wall.
     turns: Vec<(f64, f64)>,
     contraction: Option<f64>,
-    /// ẏ at the end of the last span, if it was one of the flight that goes on.
-    rate: Option<f64>,
+    /// ẏ of each absorber at the end of the last span, if it was one of the flight that goes on.
+    rates: Vec<Option<f64>>,
     /// True if a motion had no power series.
     unknown: bool,
 }
 
 impl Extrema {
     /// An extremum; after a contact or a ride that on the wall is none, as the absorber begins there.
-    fn turn<S: Coordinates>(&mut self, system: &S, time: f64, y: f64) {
-        let y = y - system.offset_of(0);
-        let [minus, plus] = [Wall::Minus, Wall::Plus].map(|wall| margin(system, wall, y));
-        let distance = minus.min(plus);
-        if self.rate.is_some() || distance.abs() > ON_WALL * system.clearance() {
+    fn turn<S: Coordinates>(&mut self, system: &S, absorber: usize, time: f64, y: f64) {
+        let y = y - system.offset_of(absorber);
+        let distance = [Wall::Minus, Wall::Plus].map(|wall| margin_of(system, absorber, wall, y));
+        let distance = distance[0].min(distance[1]);
+        let off = distance.abs() > ON_WALL * system.clearance_of(absorber);
+        if self.rates[absorber].is_some() || off {
             self.turns.push((time, distance));
         }
     }
 
-    /// A span of flight from an instant on, of length t in units of the power series.
-    fn flight<S: Coordinates>(&mut self, system: &S, travel: &Travel, from: f64, t: f64) {
+    /// A span of flight of an absorber from an instant on, of length t in units of the power series.
+    fn flight<S: Coordinates>(
+        &mut self,
+        system: &S,
+        absorber: usize,
+        travel: &Travel,
+        [from, t]: [f64; 2],
+    ) {
         let gap = &travel.gap[..=travel.rows.order];
         let [y, begin, ..] = jet(gap, 0.0);
         // An extremum where two spans meet.
-        if self.rate.is_some_and(|rate| (rate > 0.0) != (begin > 0.0)) {
-            self.turn(system, from, y);
+        if self.rates[absorber].is_some_and(|rate| (rate > 0.0) != (begin > 0.0)) {
+            self.turn(system, absorber, from, y);
         }
         for bracket in turnings(gap, t) {
             let (at, y) = turned(|t| jet(gap, t), bracket);
-            self.turn(system, from + at * travel.rows.step, y);
+            self.turn(system, absorber, from + at * travel.rows.step, y);
         }
-        self.rate = Some(jet(gap, t)[1]);
+        self.rates[absorber] = Some(jet(gap, t)[1]);
+    }
+
+    /// ∫ of the contraction over a span, by the gap displacement of the first absorber.
+    fn contract<S: Coordinates>(&mut self, system: &S, travel: &Travel, t: f64) {
+        let gap = &travel.gap[..=travel.rows.order];
         let node = |n: usize| {
             let y = jet(gap, node::<f64, NODES>(n, [0.0, t]))[0];
             Some(system.contraction(y)? * weight::<f64, NODES>(n))
@@ -174,25 +192,36 @@ impl Extrema {
 }
 
 impl<S: Coordinates> Observer<S> for Extrema {
-    fn start(&mut self, _system: &S, _from: &Instant<S::State>, _duration: f64) {
-        *self = Self { contraction: Some(0.0), ..Self::default() };
+    fn start(&mut self, system: &S, _from: &Instant<S::State>, _duration: f64) {
+        let rates = vec![None; system.absorbers().max(1)];
+        *self = Self { contraction: Some(0.0), rates, ..Self::default() };
     }
 
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let Some(travel) = span.motion.travel() else {
-            self.unknown = true;
+            (self.unknown, self.contraction) = (true, None);
             return;
         };
         let t = span.length / travel.rows.step;
         self.amplitude = largest(&travel.rows.x[..=travel.rows.order], [0.0, t], self.amplitude);
         if M::RIDING {
-            self.rate = None;
-        } else {
-            self.flight(system, &travel, span.start.value, t);
+            self.rates.fill(None);
+            return;
+        }
+        self.contract(system, &travel, t);
+        if self.rates.len() == 1 {
+            return self.flight(system, 0, &travel, [span.start.value, t]);
+        }
+        for absorber in 0..self.rates.len() {
+            let flies = span.motion.wall_of(absorber).is_none();
+            match span.motion.travel_of(absorber).filter(|_| flies) {
+                Some(travel) => self.flight(system, absorber, &travel, [span.start.value, t]),
+                None => self.rates[absorber] = None,
+            }
         }
     }
 
-    fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State>) {
-        self.rate = None;
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
+        self.rates[system.at_hand(contact.states[0])] = None;
     }
 }

@@ -89,11 +89,16 @@ fn turnings<State: Copy, M: Motion<Real = f64, State = State>>(
 
 /// The distance of y, from the middle of the gap, to a wall; infinite where there is none.
 pub(super) fn margin<S: Coordinates>(system: &S, wall: Wall, y: f64) -> f64 {
-    let [minus, plus] = system.walls_of(0);
+    margin_of(system, 0, wall, y)
+}
+
+/// The same of the absorber of this index.
+pub(super) fn margin_of<S: Coordinates>(system: &S, absorber: usize, wall: Wall, y: f64) -> f64 {
+    let [minus, plus] = system.walls_of(absorber);
     match wall {
         Wall::Plus if plus.is_infinite() => plus,
         Wall::Minus if minus.is_infinite() => -minus,
-        _ => system.clearance() - wall.sign() * y,
+        _ => system.clearance_of(absorber) - wall.sign() * y,
     }
 }
 

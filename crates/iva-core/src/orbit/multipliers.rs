@@ -1,6 +1,6 @@
 //! The multipliers of a monodromy matrix.
 
-use nalgebra::{Matrix4, Schur};
+use nalgebra::{DMatrix, Matrix4, Schur};
 
 pub use nalgebra::Complex;
 
@@ -10,46 +10,55 @@ const MOST_ITERATIONS: usize = 200;
 const MOST_SWEEPS: usize = 200;
 
 /// The eigenvalues of a matrix, largest first; of a pair that with the positive imaginary part first.
-pub fn multipliers(matrix: &Matrix4<f64>) -> [Complex<f64>; 4] {
+pub fn multipliers(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
     // The iteration has no exceptional shifts and can stall where eigenvalues lie on the unit circle; for the transpose it
     // takes another path to the same ones.
     let attempt = |matrix| Schur::try_new(matrix, f64::EPSILON, MOST_ITERATIONS);
-    let all = match attempt(*matrix).or_else(|| attempt(matrix.transpose())) {
-        Some(schur) => schur.complex_eigenvalues().into(),
+    let all = match attempt(matrix.clone()).or_else(|| attempt(matrix.transpose())) {
+        Some(schur) => schur.complex_eigenvalues().iter().copied().collect(),
         None => roots(&characteristic(matrix)),
     };
     largest_first(all)
 }
 
+/// Those of the map of one absorber.
+pub(crate) fn of_four(map: &Matrix4<f64>) -> [Complex<f64>; 4] {
+    let all = multipliers(&DMatrix::from_column_slice(4, 4, map.as_slice()));
+    std::array::from_fn(|i| all[i])
+}
+
 /// The same numbers, the largest first; of a pair that with the positive imaginary part first.
-pub(super) fn largest_first(mut all: [Complex<f64>; 4]) -> [Complex<f64>; 4] {
-    all.sort_by(|p, q| q.norm().total_cmp(&p.norm()).then(q.im.total_cmp(&p.im)));
+pub(super) fn largest_first<A: AsMut<[Complex<f64>]>>(mut all: A) -> A {
+    all.as_mut().sort_by(|p, q| q.norm().total_cmp(&p.norm()).then(q.im.total_cmp(&p.im)));
     all
 }
 
-/// The coefficients of λ⁴ + c₃ λ³ + c₂ λ² + c₁ λ + c₀, from c₀ on (U. Le Verrier, D. K. Faddeev).
-fn characteristic(matrix: &Matrix4<f64>) -> [f64; 4] {
-    let mut coefficients = [0.0; 4];
-    let mut product = *matrix;
-    for k in 1..=4 {
+/// The coefficients of λⁿ + … + c₁ λ + c₀, from c₀ on (U. Le Verrier, D. K. Faddeev).
+fn characteristic(matrix: &DMatrix<f64>) -> Vec<f64> {
+    let n = matrix.nrows();
+    let mut coefficients = vec![0.0; n];
+    let mut product = matrix.clone();
+    for k in 1..=n {
         let c = -product.trace() / k as f64;
-        coefficients[4 - k] = c;
-        product = matrix * (product + Matrix4::identity() * c);
+        coefficients[n - k] = c;
+        product = matrix * (product + DMatrix::from_diagonal_element(n, n, c));
     }
     coefficients
 }
 
 /// The roots of that polynomial, all at once (K. Weierstrass, E. Durand, I. O. Kerner).
-fn roots(coefficients: &[f64; 4]) -> [Complex<f64>; 4] {
+fn roots(coefficients: &[f64]) -> Vec<Complex<f64>> {
+    let n = coefficients.len();
     let size = coefficients.iter().fold(1.0, |size: f64, c| size.max(c.abs()));
-    let mut all = [0, 1, 2, 3].map(|k| Complex::new(0.4, 0.9).powi(k) * size.sqrt().sqrt());
+    let begin = |k| Complex::new(0.4, 0.9).powi(k as i32) * size.powf(1.0 / n as f64);
+    let mut all: Vec<Complex<f64>> = (0..n).map(begin).collect();
     for _ in 0..MOST_SWEEPS {
         let mut moved: f64 = 0.0;
-        for k in 0..4 {
+        for k in 0..n {
             let z = all[k];
             let value =
                 coefficients.iter().rev().fold(Complex::new(1.0, 0.0), |sum, c| sum * z + c);
-            let others = (0..4).filter(|j| *j != k).map(|j| z - all[j]);
+            let others = (0..n).filter(|j| *j != k).map(|j| z - all[j]);
             let step = value / others.product::<Complex<f64>>();
             if step.re.is_finite() && step.im.is_finite() {
                 all[k] -= step;
@@ -66,7 +75,6 @@ fn roots(coefficients: &[f64; 4]) -> [Complex<f64>; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
     /// The eigenvalues that a matrix was made from: .8 ± .3 i, −.5 and 1e-3.
     #[test]
     fn both_ways_find_planted_eigenvalues() {
@@ -78,6 +86,7 @@ mod tests {
         );
         let inverse = turn.try_inverse().map_or(Matrix4::zeros(), |inverse| inverse);
         let matrix = turn * planted * inverse;
+        let matrix = DMatrix::from_column_slice(4, 4, matrix.as_slice());
         let truth = [(0.8, 0.3), (0.8, -0.3), (-0.5, 0.0), (1e-3, 0.0)];
         let slow = largest_first(roots(&characteristic(&matrix)));
         for found in [multipliers(&matrix), slow] {

@@ -10,15 +10,16 @@
 
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::{Complex, Matrix4, Vector4};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::coordinates::Coordinates;
 use super::multipliers::{largest_first, multipliers};
-use super::{Cycle, Image, Trajectory, map};
+use super::{Cycle, Trajectory};
 use crate::absorber::Clock;
 use crate::engine::observe::{Events, Observer};
 use crate::engine::simulate::{Instant, Limits, Outcome, resume};
 use crate::error::Invalid;
+use crate::measures::propagation::Derivative as _;
 
 /// Most steps of Newton's method.
 const MOST_STEPS: u32 = 40;
@@ -40,14 +41,14 @@ pub struct Orbit<S: Coordinates> {
     pub impacts: u64,
     /// True if it was sought as its own mirror image half a cycle later.
     pub symmetric: bool,
-    /// The derivative of the map that was solved, in [`Coordinates`]: of a symmetric orbit the half map with the mirror.
-    pub derivative: Matrix4<f64>,
+    /// The derivative of the map that was solved, in [`Coordinates::point`]: of a symmetric orbit the half map with the mirror.
+    pub derivative: DMatrix<f64>,
     /// The derivative of the map over the cycle.
-    pub monodromy: Matrix4<f64>,
+    pub monodromy: DMatrix<f64>,
     /// Its eigenvalues, largest first: the Floquet multipliers.
-    pub multipliers: [Complex<f64>; 4],
+    pub multipliers: Vec<Complex<f64>>,
     /// Those of the half map of a symmetric orbit; the multipliers are their squares.
-    pub half_multipliers: Option<[Complex<f64>; 4]>,
+    pub half_multipliers: Option<Vec<Complex<f64>>>,
     /// The largest difference between a coordinate and its image, over the size of the state.
     pub residual: f64,
     /// Number of steps of Newton's method.
@@ -95,40 +96,29 @@ struct Sought<'a, S: Coordinates> {
 }
 
 /// A point, its image less itself, and the derivative of the map.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Tried {
-    at: Vector4<f64>,
-    off: Vector4<f64>,
-    derivative: Matrix4<f64>,
+    at: DVector<f64>,
+    off: DVector<f64>,
+    derivative: DMatrix<f64>,
     impacts: u64,
 }
 
 impl<S: Coordinates + Clone> Sought<'_, S> {
-    /// The image of a point in the gap.
-    fn image(&self, at: &Vector4<f64>) -> Result<Option<Image<S::State>>, Missed> {
-        let Trajectory { system, cycle: Cycle { begin, length }, .. } = &self.trajectory;
-        let Some(start) = system.start_at(at) else { return Ok(None) };
-        let state = system.begin_at(&start, Clock::new(*begin));
-        let length = if self.symmetric { 0.5 * length } else { *length };
-        let cycle = Cycle { begin: *begin, length };
-        let trajectory = Trajectory { state, cycle, ..self.trajectory.clone() };
-        Ok(Some(map(&trajectory, true, self.cancel)?))
-    }
-
     /// Tries a point; `None` if it is out of the gap.
-    fn tried(&self, at: Vector4<f64>) -> Result<Option<Tried>, Missed> {
-        let Some(image) = self.image(&at)? else { return Ok(None) };
-        let Image { state, impacts, outcome, tangent, .. } = image;
-        let (Outcome::Finished, Some(tangent)) = (outcome, tangent) else {
-            return Err(Missed::Cycle(outcome));
-        };
-        let mirror = if self.symmetric { -1.0 } else { 1.0 };
-        let off = self.trajectory.system.coordinates(&state) * mirror - at;
-        Ok(Some(Tried { at, off, derivative: tangent * mirror, impacts }))
+    fn tried(&self, at: DVector<f64>) -> Result<Option<Tried>, Missed> {
+        let Trajectory { system, cycle, .. } = &self.trajectory;
+        let Some(state) = state_at(system, &at, cycle.begin) else { return Ok(None) };
+        let (length, mirror) =
+            if self.symmetric { (0.5 * cycle.length, -1.0) } else { (cycle.length, 1.0) };
+        let Flown { end, derivative, impacts } =
+            flown(system, (&state, cycle.begin), length, self.cancel)?;
+        let off = system.point(&end) * mirror - &at;
+        Ok(Some(Tried { at, off, derivative: derivative * mirror, impacts }))
     }
 
     /// The size of a state.
-    fn size(&self, at: &Vector4<f64>) -> f64 {
+    fn size(&self, at: &DVector<f64>) -> f64 {
         at.amax().max(self.trajectory.system.clearance())
     }
 
@@ -136,23 +126,25 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     fn orbit(&self, solved: &Tried, steps: u32) -> Orbit<S> {
         let mut trajectory = self.trajectory.clone();
         let system = &trajectory.system;
-        if let Some(start) = system.start_at(&solved.at) {
-            trajectory.state = system.begin_at(&start, Clock::new(trajectory.cycle.begin));
+        if let Some(state) = state_at(system, &solved.at, trajectory.cycle.begin) {
+            trajectory.state = state;
         }
-        let half = self.symmetric.then_some(solved.derivative);
+        let derivative = solved.derivative.clone();
+        let half = self.symmetric.then_some(&derivative);
         let (monodromy, impacts) = match half {
             Some(half) => (half * half, 2 * solved.impacts),
-            None => (solved.derivative, solved.impacts),
+            None => (derivative.clone(), solved.impacts),
         };
-        let half_multipliers = half.as_ref().map(multipliers);
-        let squares = |half: [Complex<f64>; 4]| largest_first(half.map(|it| it * it));
+        let half_multipliers = half.map(multipliers);
+        let squares =
+            |half: &Vec<Complex<f64>>| largest_first(half.iter().map(|it| it * it).collect());
         Orbit {
             trajectory,
             impacts,
             symmetric: self.symmetric,
-            derivative: solved.derivative,
+            derivative,
+            multipliers: half_multipliers.as_ref().map_or_else(|| multipliers(&monodromy), squares),
             monodromy,
-            multipliers: half_multipliers.map_or_else(|| multipliers(&monodromy), squares),
             half_multipliers,
             residual: solved.off.amax() / self.size(&solved.at),
             steps,
@@ -160,14 +152,15 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     }
 
     /// Newton's method from a point: the solution and the number of steps.
-    fn solved(&self, from: Vector4<f64>) -> Result<(Tried, u32), Missed> {
+    fn solved(&self, from: DVector<f64>) -> Result<(Tried, u32), Missed> {
         let mut best = self.tried(from)?.ok_or(Missed::Stalled(f64::INFINITY))?;
         for step in 1..=MOST_STEPS {
             if best.impacts == 0 {
                 return Err(Missed::NoImpacts);
             }
             let size = self.size(&best.at);
-            let system = Matrix4::identity() - best.derivative;
+            let size_of = best.at.len();
+            let system = DMatrix::identity(size_of, size_of) - &best.derivative;
             let newton = system.lu().solve(&best.off).ok_or(Missed::Singular)?;
             if newton.amax() <= ROUNDING * size {
                 return Ok((best, step));
@@ -183,10 +176,10 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     }
 
     /// The point after a step of Newton's method or, where the residual does not fall, after a part of it.
-    fn nearer(&self, from: &Tried, newton: &Vector4<f64>) -> Result<Option<Tried>, Missed> {
+    fn nearer(&self, from: &Tried, newton: &DVector<f64>) -> Result<Option<Tried>, Missed> {
         let mut share = 1.0;
         for _ in 0..MOST_HALVINGS {
-            match self.tried(from.at + newton * share) {
+            match self.tried(&from.at + newton * share) {
                 Ok(Some(tried)) if tried.off.amax() < from.off.amax() => return Ok(Some(tried)),
                 Err(Missed::Cycle(Outcome::Cancelled)) => {
                     return Err(Missed::Cycle(Outcome::Cancelled));
@@ -195,6 +188,41 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
             }
         }
         Ok(None)
+    }
+}
+
+/// The state of a system at a point and an instant; `None` if that is of no place in a gap.
+pub(super) fn state_at<S: Coordinates>(
+    system: &S,
+    point: &DVector<f64>,
+    instant: f64,
+) -> Option<S::State> {
+    Some(system.begin_at(&system.start_of(point)?, Clock::new(instant)))
+}
+
+/// A run over a stretch of time: its end, its derivative in all numbers of a state, and its impacts that are listed.
+pub(super) struct Flown<State> {
+    pub end: State,
+    pub derivative: DMatrix<f64>,
+    pub impacts: u64,
+}
+
+/// A run of this length from a state at an instant.
+pub(super) fn flown<S: Coordinates>(
+    system: &S,
+    (state, begin): (&S::State, f64),
+    length: f64,
+    cancel: Option<&AtomicBool>,
+) -> Result<Flown<S::State>, Missed> {
+    let from = Instant { time: Clock::new(begin), state: *state };
+    let limits = Limits::new(begin + length, system.clearance());
+    let mut seen = S::Derivative::default();
+    let tally = resume(system, &from, &limits, cancel, &mut seen)?;
+    match tally.outcome {
+        Outcome::Finished => {
+            Ok(Flown { end: tally.state, derivative: seen.factor(system), impacts: tally.impacts })
+        }
+        outcome => Err(Missed::Cycle(outcome)),
     }
 }
 
@@ -244,8 +272,7 @@ fn moved<S: Coordinates + Clone>(
     let state = reached(trajectory, middle, cancel, &mut ())?;
     // The phase of the drive is the same in every cycle.
     let begin = begin + (middle - begin).rem_euclid(*length);
-    let start = system.start_at(&system.coordinates(&state)).ok_or(Missed::NoImpacts)?;
-    let state = system.begin_at(&start, Clock::new(begin));
+    let state = state_at(system, &system.point(&state), begin).ok_or(Missed::NoImpacts)?;
     Ok(Trajectory { state, cycle: Cycle { begin, length: *length }, ..trajectory.clone() })
 }
 
@@ -261,7 +288,7 @@ pub fn find<S: Coordinates + Clone>(
 ) -> Result<Orbit<S>, Missed> {
     trajectory.limits()?;
     let trajectory = moved(trajectory, cancel)?;
-    let from = trajectory.system.coordinates(&trajectory.state);
+    let from = trajectory.system.point(&trajectory.state);
     let sought = Sought { trajectory, symmetric, cancel };
     let (solved, steps) = sought.solved(from)?;
     let orbit = sought.orbit(&solved, steps);
@@ -269,7 +296,7 @@ pub fn find<S: Coordinates + Clone>(
     let Cycle { begin, length } = orbit.trajectory.cycle;
     let later = reached(&orbit.trajectory, begin + 2.0 * length, cancel, &mut ())?;
     let system = &orbit.trajectory.system;
-    let off = (system.coordinates(&later) - solved.at).amax();
+    let off = (system.point(&later) - &solved.at).amax();
     let off = off / system.clearance().max(solved.at.amax());
     if off.is_nan() || off > CLOSED + GROWN * orbit.monodromy.amax().powi(2) {
         return Err(Missed::NotPeriodic(off));
@@ -286,7 +313,7 @@ pub(super) fn through<S: Coordinates + Clone>(
     symmetric: bool,
     cancel: Option<&AtomicBool>,
 ) -> Result<Orbit<S>, Missed> {
-    let at = trajectory.system.coordinates(&trajectory.state);
+    let at = trajectory.system.point(&trajectory.state);
     let sought = Sought { trajectory, symmetric, cancel };
     let tried = sought.tried(at)?.ok_or(Missed::Stalled(f64::INFINITY))?;
     Ok(sought.orbit(&tried, 0))

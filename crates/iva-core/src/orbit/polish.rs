@@ -5,12 +5,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Numbered;
 use super::periodic::Missed;
-use crate::absorber::Angle;
 use crate::absorber::impact::Impact;
+use crate::absorber::{Angle, Point};
 use crate::engine::observe::{Events, StickEpisode};
 use crate::engine::simulate::{Instant, Limits, Outcome, resume};
 use crate::measures::sample::{Sampler, State};
@@ -35,10 +35,10 @@ pub struct Stretch<R> {
 }
 
 /// A point of a periodic orbit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Polished<R> {
-    /// x, ẋ, y and ẏ (or W).
-    pub at: [R; 4],
+    /// All numbers of its state.
+    pub at: Vec<R>,
     /// The largest difference between one of these and its image, over the size of the state.
     pub residual: f64,
 }
@@ -48,19 +48,21 @@ pub struct Polished<R> {
 pub struct Seen {
     /// Its impacts and stick episodes.
     pub events: Events,
-    /// Its states.
+    /// Its states, at each instant one of each absorber.
     pub states: Vec<State>,
+    /// q and q̇ of the modes of a structure with points at each instant.
+    pub modes: Vec<Vec<Point>>,
 }
 
 /// The run from a point at an instant to another.
 fn run<S: Numbered>(
     system: &S,
-    (begin, at): (S::Real, [S::Real; 4]),
+    (begin, at): (S::Real, &[S::Real]),
     end: S::Real,
     seen: &mut (Events<S::Real>, Sampler<S::Real>),
     cancel: Option<&AtomicBool>,
 ) -> Result<S::State, Missed> {
-    let start = system.numbered(at);
+    let start = system.all_numbered(at).ok_or(Missed::Stalled(f64::INFINITY))?;
     system.check_start(&start)?;
     let from = Instant::at(system, &start, begin);
     let limits = Limits::new(end, system.clearance());
@@ -78,31 +80,34 @@ fn run<S: Numbered>(
 pub fn polish<S: Numbered>(
     system: &S,
     stretch: Stretch<S::Real>,
-    (from, derivative): (&Vector4<f64>, &Matrix4<f64>),
+    (from, derivative): (&DVector<f64>, &DMatrix<f64>),
     cancel: Option<&AtomicBool>,
 ) -> Result<Polished<S::Real>, Missed> {
     let Stretch { begin, length, mirrored } = stretch;
     let mirror = if mirrored { -1.0 } else { 1.0 };
-    let back = (Matrix4::identity() - derivative).try_inverse().ok_or(Missed::Singular)?;
+    let count = from.len();
+    let back =
+        (DMatrix::identity(count, count) - derivative).try_inverse().ok_or(Missed::Singular)?;
     let size = from.amax().max(system.clearance().into());
-    let mut at: [S::Real; 4] = [0, 1, 2, 3].map(|k| from[k].into());
+    let mut at: Vec<S::Real> = from.iter().map(|it| (*it).into()).collect();
     let mut best: Option<Polished<S::Real>> = None;
     for _ in 0..MOST_STEPS {
         let mut unseen = (Events::default(), Sampler::at(vec![]));
-        let end = run(system, (begin, at), begin + length, &mut unseen, cancel)?;
-        let image = system.numbers(&end);
-        let off: [S::Real; 4] = [0, 1, 2, 3].map(|k| image[k] * mirror - at[k]);
-        let off: Vector4<f64> = off.map(Into::into).into();
+        let end = run(system, (begin, &at), begin + length, &mut unseen, cancel)?;
+        let image = system.all_numbers(&end);
+        let off = image.iter().zip(&at).map(|(image, at)| (*image * mirror - *at).into());
+        let off = DVector::from_iterator(count, off);
         let residual = off.amax() / size;
-        if residual.is_nan() || best.is_some_and(|best| residual >= best.residual) {
+        if residual.is_nan() || best.as_ref().is_some_and(|best| residual >= best.residual) {
             break;
         }
-        best = Some(Polished { at, residual });
+        best = Some(Polished { at: at.clone(), residual });
         if residual <= SOLVED {
             break;
         }
-        let step = back * off;
-        at = [0, 1, 2, 3].map(|k| at[k] + step[k]);
+        for (at, step) in at.iter_mut().zip(&(&back * off)) {
+            *at += *step;
+        }
     }
     match best {
         Some(best) if best.residual <= CLOSED => Ok(best),
@@ -116,20 +121,24 @@ pub fn polish<S: Numbered>(
 /// [`Missed`] if a run does not end.
 pub fn shown<S: Numbered>(
     system: &S,
-    (begin, at): (S::Real, [S::Real; 4]),
+    (begin, at): (S::Real, &[S::Real]),
     length: S::Real,
     instants: &[S::Real],
     cancel: Option<&AtomicBool>,
 ) -> Result<Seen, Missed> {
     let mut cycle = (Events::default(), Sampler::at(vec![]));
     run(system, (begin, at), begin + length, &mut cycle, cancel)?;
-    let mut sampled = (Events::default(), Sampler::at(instants.to_vec()));
+    let mut sampled = (Events::default(), Sampler::with_modes(instants.to_vec()));
     let last = instants.last().copied().unwrap_or(begin + length);
     run(system, (begin, at), last, &mut sampled, cancel)?;
     let Events { impacts, episodes } = cycle.0;
     let impacts = impacts.iter().map(impact).collect();
     let events = Events { impacts, episodes: episodes.iter().map(episode).collect() };
-    Ok(Seen { events, states: sampled.1.states.iter().map(state).collect() })
+    let Sampler { states, modes, .. } = sampled.1;
+    let point = |it: &Point<S::Real>| Point { x: it.x.into(), v: it.v.into() };
+    let modes = modes.unwrap_or_default();
+    let modes = modes.iter().map(|all| all.iter().map(point).collect()).collect();
+    Ok(Seen { events, states: states.iter().map(state).collect(), modes })
 }
 
 /// An impact in doubles.
@@ -164,7 +173,7 @@ fn episode<R: Real>(given: &StickEpisode<R>) -> StickEpisode {
 /// A state in doubles.
 fn state<R: Real>(given: &State<R>) -> State {
     State {
-        absorber: 0,
+        absorber: given.absorber,
         time: given.time.into(),
         displacement: given.displacement.into(),
         velocity: given.velocity.into(),

@@ -4,12 +4,12 @@
 //! which the later factors multiply. They are taken as independent and random: for each column of the product the
 //! covariance P of its error changes by A P Aᵀ + Q where a factor A joins, and so does that of the error of the state.
 
-use nalgebra::Matrix4;
+use nalgebra::DMatrix;
 
 use super::coordinates::Coordinates;
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
-use crate::measures::propagation::{Differentiable, Tangent};
+use crate::measures::propagation::Derivative;
 use crate::segment::flight::Motion;
 
 /// The standard error of an element of a factor, over the sum of the sizes of its terms; and that of a state.
@@ -17,53 +17,67 @@ const UNIT: f64 = 2.0 * f64::EPSILON;
 
 /// An observer of the derivative of a run and of its rounding errors.
 #[derive(Debug, Default)]
-pub(super) struct Rounding {
-    factor: Tangent,
+pub(super) struct Rounding<A> {
+    factor: A,
     /// The derivative.
-    pub product: Matrix4<f64>,
+    pub product: DMatrix<f64>,
     /// The covariances of the errors of its columns.
-    columns: [Matrix4<f64>; 4],
+    columns: Vec<DMatrix<f64>>,
     /// The covariance of the error of the state.
-    pub state: Matrix4<f64>,
+    pub state: DMatrix<f64>,
     /// The instant from which a tail of a chatter is summed.
     summed_from: Option<f64>,
 }
 
-impl Rounding {
+impl<A> Rounding<A> {
     /// The standard errors of the elements of the derivative.
-    pub(super) fn errors(&self) -> Matrix4<f64> {
-        Matrix4::from_columns(&self.columns.map(|covariance| covariance.diagonal().map(f64::sqrt)))
+    pub(super) fn errors(&self) -> DMatrix<f64> {
+        let deviations = |covariance: &DMatrix<f64>| covariance.diagonal().map(f64::sqrt);
+        let columns: Vec<_> = self.columns.iter().map(deviations).collect();
+        DMatrix::from_columns(&columns)
     }
 
     /// The next factor, with errors of a relative size, at a state of given coordinates.
-    fn join(&mut self, factor: &Matrix4<f64>, error: f64, size: f64) {
+    fn join(&mut self, factor: &DMatrix<f64>, error: f64, size: f64) {
         for (column, covariance) in self.columns.iter_mut().enumerate() {
             let terms = factor.abs() * self.product.column(column).abs();
-            let fresh = Matrix4::from_diagonal(&terms.map(|term| (error * term).powi(2)));
-            *covariance = factor * *covariance * factor.transpose() + fresh;
+            let fresh = DMatrix::from_diagonal(&terms.map(|term| (error * term).powi(2)));
+            *covariance = factor * &*covariance * factor.transpose() + fresh;
         }
-        let fresh = Matrix4::from_diagonal_element((UNIT * size).powi(2));
-        self.state = factor * self.state * factor.transpose() + fresh;
-        self.product = factor * self.product;
+        let count = factor.nrows();
+        let fresh = DMatrix::from_diagonal_element(count, count, (UNIT * size).powi(2));
+        self.state = factor * &self.state * factor.transpose() + fresh;
+        self.product = factor * &self.product;
     }
 
-    fn joined<S: Coordinates>(&mut self, system: &S, state: &S::State, error: f64) {
-        let factor = self.factor.take();
-        if factor != Matrix4::identity() {
-            let size = system.coordinates(state).amax();
+    fn joined<S: Coordinates<Derivative = A>>(&mut self, system: &S, state: &S::State, error: f64)
+    where
+        A: Derivative<S>,
+    {
+        let factor = self.factor.factor(system);
+        if factor != DMatrix::identity(factor.nrows(), factor.ncols()) {
+            let size = system.point(state).amax();
             self.join(&factor, error, size);
         }
     }
 }
 
-impl<S: Coordinates> Observer<S> for Rounding {
+impl<A: Derivative<S>, S: Coordinates<Derivative = A>> Observer<S> for Rounding<A> {
     fn start(&mut self, system: &S, from: &Instant<S::State>, duration: f64) {
-        *self = Self { product: Matrix4::identity(), ..Self::default() };
-        Observer::<S>::start(&mut self.factor, system, from, duration);
+        let count = system.point(&from.state).len();
+        let zero = DMatrix::zeros(count, count);
+        *self = Self {
+            factor: A::default(),
+            product: DMatrix::identity(count, count),
+            columns: vec![zero.clone(); count],
+            state: zero,
+            summed_from: None,
+        };
+        self.factor.start(system, from, duration);
     }
 
     fn looks_within(&self) -> bool {
-        !<S as Differentiable>::LINEAR
+        self.factor.looks_within()
     }
 
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {

@@ -57,7 +57,7 @@ pub fn find_any<S: Coordinates + Clone>(
 /// The size of the first state of a trajectory.
 fn size<S: Coordinates>(trajectory: &Trajectory<S>) -> f64 {
     let Trajectory { system, state, .. } = trajectory;
-    system.coordinates(state).amax().max(system.clearance())
+    system.point(state).amax().max(system.clearance())
 }
 
 /// The largest change of a coordinate by the half map, and by the map.
@@ -66,8 +66,8 @@ fn moved<S: Coordinates>(
     cancel: Option<&AtomicBool>,
 ) -> Result<[f64; 2], Missed> {
     let Trajectory { system, state, cycle: Cycle { begin, length }, .. } = trajectory;
-    let at = system.coordinates(state);
-    let half = system.coordinates(&reached(trajectory, begin + 0.5 * length, cancel, &mut ())?);
-    let whole = system.coordinates(&reached(trajectory, begin + length, cancel, &mut ())?);
-    Ok([(half + at).amax(), (whole - at).amax()])
+    let at = system.point(state);
+    let half = system.point(&reached(trajectory, begin + 0.5 * length, cancel, &mut ())?);
+    let whole = system.point(&reached(trajectory, begin + length, cancel, &mut ())?);
+    Ok([(half + &at).amax(), (whole - at).amax()])
 }

@@ -309,5 +309,5 @@ fn eigenvalues(map: &Matrix4<f64>, frequency: f64) -> [Complex<f64>; 4] {
     // In time units of 1/Ω displacements and velocities are of one size.
     let units = Vector4::new(frequency, 1.0, frequency, 1.0);
     let scaled = Matrix4::from_fn(|row, column| units[row] * map[(row, column)] / units[column]);
-    multipliers::multipliers(&scaled)
+    multipliers::of_four(&scaled)
 }

@@ -1,6 +1,7 @@
 //! One cycle of an orbit, in the user's units.
 
-use iva_core::absorber::Angle;
+use iva_core::absorber::{Angle, Point};
+use iva_core::error::Invalid;
 use iva_core::impact::Impact;
 use iva_core::observe::StickEpisode;
 use iva_core::orbit::description::Description;
@@ -12,8 +13,10 @@ use crate::units::Scale;
 /// One cycle of an orbit from the phase of the drive at the start on, in the user's units.
 #[derive(Debug, Clone)]
 pub struct Course {
-    /// The state at that phase.
-    pub state: State,
+    /// The state at that phase, one of each absorber.
+    pub states: Vec<State>,
+    /// Of a structure with several modes the displacements of its modes or coordinates there, and their rates.
+    pub modes: Option<[Vec<f64>; 2]>,
     /// The impacts.
     pub impacts: Vec<Impact>,
     /// The stick episodes.
@@ -22,20 +25,49 @@ pub struct Course {
     pub walls: String,
 }
 
+impl Course {
+    /// The state of the first absorber.
+    pub fn state(&self) -> &State {
+        &self.states[0]
+    }
+}
+
+/// The states of all absorbers at an instant, and the motion of the modes of a structure with points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moment<'a> {
+    pub states: &'a [State],
+    pub modes: &'a [Point],
+}
+
 impl Family {
-    /// A cycle in the user's units.
-    pub(super) fn course(&self, state: &State, cycle: &Description, length: f64) -> Course {
-        Course {
-            state: given(&self.scale, self.has_angle, state),
+    /// A cycle in the user's units from an instant on, at which the states are these, or their mirror images.
+    pub(super) fn course(
+        &self,
+        begin: f64,
+        (Moment { states, modes }, mirrors): (Moment<'_>, bool),
+        cycle: &Description,
+        length: f64,
+    ) -> Result<Course, Invalid> {
+        let seen = |state: &State| {
+            let middle = self.middles.get(usize::from(state.absorber)).copied().unwrap_or(0.0);
+            let state = if mirrors { mirrored(state, middle) } else { *state };
+            given(&self.scale, self.has_angle, &State { time: begin, ..state })
+        };
+        let sign = if mirrors { -1.0 } else { 1.0 };
+        let modes: Vec<_> =
+            modes.iter().map(|it| Point { x: it.x * sign, v: it.v * sign }).collect();
+        Ok(Course {
+            states: states.iter().map(seen).collect(),
+            modes: self.structure.as_ref().map(|it| it.started(&modes)).transpose()?,
             impacts: cycle.impacts.iter().map(|it| impact(&self.scale, it)).collect(),
             episodes: cycle.episodes.iter().map(|it| episode(&self.scale, it)).collect(),
             walls: cycle.walls(length),
-        }
+        })
     }
 }
 
 /// The mirror image of a state, about the middle of the gap.
-pub(super) fn mirrored(state: &State, middle: f64) -> State {
+fn mirrored(state: &State, middle: f64) -> State {
     State {
         displacement: -state.displacement,
         velocity: -state.velocity,

@@ -1,6 +1,7 @@
 //! The system of a scene under one harmonic drive, at any value of any of its fields.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use iva_core::absorber::Absorber;
 use iva_core::absorber::modal::FewModes;
@@ -19,6 +20,7 @@ use crate::fields::{FieldId, Part};
 use crate::forces::{ForceSpec, Nature};
 use crate::scene::{Mounted, Scene};
 use crate::slot::Slot;
+use crate::structure::Structure;
 use crate::units::{Scale, UnitSystem};
 
 /// Most periods of the first of several harmonic forces after which all must repeat.
@@ -51,8 +53,10 @@ pub struct Family {
     pub amplitude: f64,
     /// True if the mirror image of a motion half a period later is a motion: the walls are alike, and the motion level.
     pub mirrors: bool,
-    /// The middle of the gap, as a value of y.
-    pub middle: f64,
+    /// The middle of the gap of each absorber, as a value of y.
+    pub middles: Vec<f64>,
+    /// The structure, if it has several modes.
+    pub structure: Option<Arc<Structure>>,
     /// Between which displacements the structure moves: any, but where it has a stop on the ground.
     pub within: [f64; 2],
     /// True if a pendulum has an angle to report.
@@ -70,7 +74,7 @@ pub enum Member {
     Siva(Box<Trajectory<Siva<DrivenHost>>>),
     /// A pendulum.
     Piva(Box<Trajectory<Piva<DrivenHost>>>),
-    /// One member of any kind with any terms.
+    /// Members of any kind with any terms, on one mode or several.
     System(Box<Trajectory<FewModes<DrivenHost>>>),
 }
 
@@ -137,6 +141,19 @@ impl Family {
         if let Some((slot, value)) = at {
             spec.replace(slot, value)?;
         }
+        check_structure(&spec)?;
+        let family = Self::of_all(spec, periods)?;
+        if let Member::System(trajectory) = &family.member {
+            trajectory.system.check_single()?;
+        }
+        Ok(family)
+    }
+
+    /// The same of any number of absorbers, and on several modes.
+    ///
+    /// # Errors
+    /// As [`Family::new`], or if there are too many.
+    pub fn of_all(mut spec: Spec, periods: u32) -> Result<Self, Invalid> {
         check_kind(&spec)?;
         spec.replace(FieldId::Cycles, f64::from(periods))?;
         let Design { scene, begin, scale, units, .. } = spec.design()?;
@@ -151,15 +168,23 @@ impl Family {
         };
         let amplitude = harmonics.iter().map(alone).sum();
         let cycle = Cycle { begin, length: f64::from(periods) * period };
+        let owners: Vec<usize> = spec.owners().collect();
         // Where it depends on the speed as well, the walls are alike if they are given alike.
-        let other = spec.get(FieldId::RestitutionMinus);
-        let like = other.is_none_or(|minus| Some(minus) == spec.get(FieldId::Restitution));
-        let level = scene.gravity_along(0).is_none_or(|along| along == 0.0);
-        let across = scene.walls_of(0).iter().all(|wall| wall.is_finite());
-        let mirrors = like && level && across && odd && scene.inclination_of(0) == 0.0;
-        let middle = scene.gap_offset(0);
+        let like = owners.iter().all(|owner| {
+            let other = spec.get_of(*owner, FieldId::RestitutionMinus);
+            other.is_none_or(|minus| Some(minus) == spec.get_of(*owner, FieldId::Restitution))
+        });
+        let level = |k: usize| {
+            let along = scene.gravity_along(k).is_none_or(|along| along == 0.0);
+            let across = scene.walls_of(k).iter().all(|wall| wall.is_finite());
+            along && across && scene.inclination_of(k) == 0.0
+        };
+        let mirrors = like && odd && (0..owners.len()).all(level);
+        let middles = (0..owners.len()).map(|k| scene.gap_offset(k)).collect();
+        let structure = spec.structure().cloned();
         let has_angle = scene.has_angle();
         let mut within = [f64::NEG_INFINITY, f64::INFINITY];
+        let scene_count = owners.len();
         let member = match scene {
             Scene::DrivenSiva(Mounted { system, start, .. }) => {
                 Member::Siva(Box::new(Trajectory::new(system, &start, cycle)?))
@@ -170,16 +195,41 @@ impl Family {
             }
             Scene::FewModes(mounted) => {
                 let Mounted { system, start, .. } = *mounted;
-                system.check_single()?;
                 if system.on_ground(0) {
                     within = system.walls_of(0);
                 }
                 Member::System(Box::new(Trajectory::new(system, &start, cycle)?))
             }
+            Scene::Modal(mounted) => {
+                let given =
+                    format!("{} on {} modes", scene_count, mounted.system.structure().count());
+                let rule = "orbits are those of at most four absorbers and modes, those with a spring or a dashpot counted twice";
+                return Err(Invalid::new("absorber", given, rule));
+            }
             _ => return Err(not_periodic(&spec)),
         };
-        Ok(Self { member, period, amplitude, mirrors, middle, within, has_angle, scale, units })
+        Ok(Self {
+            member,
+            period,
+            amplitude,
+            mirrors,
+            middles,
+            structure,
+            within,
+            has_angle,
+            scale,
+            units,
+        })
     }
+}
+
+/// Checks that there is one mode.
+fn check_structure(spec: &Spec) -> Result<(), Invalid> {
+    if spec.structure().is_some() {
+        let rule = "this is of an absorber on one mode; give [primary] in its place";
+        return Err(Invalid::new("structure", "several modes", rule));
+    }
+    Ok(())
 }
 
 /// Checks that there is an absorber, and a drive of harmonic forces.
@@ -189,18 +239,18 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
         let rule = "an orbit has no shock at its start; leave it out";
         return Err(Invalid::new(field.path(), number(value), rule));
     }
-    if spec.structure().is_some() {
-        let rule = "orbits are those of an absorber on one mode; give [primary] in its place";
-        return Err(Invalid::new("structure", "several modes", rule));
-    }
     let kind = spec.choices().kind;
     if kind == Kind::None {
         let rule = "an orbit is one of an absorber; give a free mass, a pendulum or a stop";
         return Err(Invalid::new("absorber.kind", kind.name(), rule));
     }
-    if let Some(units) = spec.get(FieldId::Units).filter(|units| *units > 1.0) {
-        let rule = "orbits are those of one absorber of one unit; leave it out";
-        return Err(Invalid::new(FieldId::Units.path(), number(units), rule));
+    let units =
+        |absorber: &usize| spec.get_of(*absorber, FieldId::Units).is_some_and(|it| it > 1.0);
+    if let Some(absorber) = (0..spec.count()).find(units) {
+        let rule = "an orbit has a place for each absorber of one unit; give the units as a list";
+        let path = spec.slot(FieldId::Units, absorber).path();
+        let value = spec.get_of(absorber, FieldId::Units).unwrap_or(0.0);
+        return Err(Invalid::new(path, number(value), rule));
     }
     let periodic = |force: &ForceSpec| force.record.is_none() && force.nature() == Nature::Harmonic;
     let all = spec.forces();

@@ -98,9 +98,9 @@ pub fn modes(
         return Err(Invalid::missing(SECTION, "give a structure with several modes").into());
     };
     let tau = time * design.scale.natural_frequency;
-    let mut sampler = Sampler::with_modes(tau.clamp(design.begin, design.limits.duration));
+    let mut sampler = Sampler::with_modes(vec![tau.clamp(design.begin, design.limits.duration)]);
     watch(spec, &design, cancel, &mut sampler)?;
-    let found = sampler.modes.filter(|_| !sampler.states.is_empty());
+    let found = sampler.modes.and_then(|mut modes| modes.pop());
     Ok(found.map(|modes| structure.started(&modes)).transpose()?)
 }
 

@@ -178,7 +178,8 @@ fn judge(record: &Value, over: &str, branch: &Branch) {
             }
             condition => {
                 let orbit = found(at).unwrap();
-                let own = orbit.half_multipliers.unwrap_or(orbit.multipliers);
+                let own = orbit.half_multipliers.as_ref().unwrap_or(&orbit.multipliers);
+                let own: [_; 4] = own[..].try_into().unwrap();
                 let off = match condition {
                     Condition::Fold => own.map(|it| (it - 1.0).norm()),
                     Condition::NeimarkSacker => own.map(|it| (it.norm() - 1.0).abs()),

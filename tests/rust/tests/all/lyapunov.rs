@@ -128,8 +128,9 @@ fn exponents_of_an_orbit_are_those_of_its_multipliers() {
     let near =
         Start { displacement: -1.1, velocity: 0.33, gap_displacement: -4.04, gap_velocity: 3.26 };
     let orbit = find(&Trajectory::new(siva, &near, cycle).unwrap(), true, None).unwrap();
-    let known = multipliers(&orbit.monodromy).map(|it| it.norm().ln() / cycle.length);
-    for (found, known) in found.exponents.iter().zip(known) {
+    let known = multipliers(&orbit.monodromy);
+    let known: Vec<f64> = known.iter().map(|it| it.norm().ln() / cycle.length).collect();
+    for (found, known) in found.exponents.iter().zip(&known) {
         // Of a pair the sum is found at once, each of the two to the angle between the differences over the time.
         assert!((found - known).abs() < 4.0 / (4000.0 * cycle.length), "{found} {known}");
     }

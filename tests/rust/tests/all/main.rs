@@ -45,6 +45,7 @@ mod near_wall;
 mod neighbours;
 mod orbit;
 mod orbit_description;
+mod orbits_of_lists;
 mod oscillation;
 mod pendulum_lists;
 mod pendulum_lists_errors;

@@ -29,7 +29,7 @@ fn described<S: Coordinates + Clone>(orbit: &Orbit<S>) -> (Description, Spectrum
 }
 
 /// The largest true error of a multiplier over its bound; each is compared with a true one of its own.
-fn over_bound(found: &[Complex<f64>; 4], errors: &[f64; 4], truth: &Value) -> f64 {
+fn over_bound(found: &[Complex<f64>], errors: &[f64], truth: &Value) -> f64 {
     let mut left = complex(truth);
     let mut worst = 0.0f64;
     for (found, error) in found.iter().zip(errors) {
@@ -45,7 +45,7 @@ fn over_bound(found: &[Complex<f64>; 4], errors: &[f64; 4], truth: &Value) -> f6
 /// Checks all multipliers against a record; the largest error over its bound, and the largest bound.
 fn judge(name: &str, spectrum: &Spectrum, record: &Value) -> [f64; 2] {
     let mut worst = over_bound(&spectrum.multipliers, &spectrum.errors, &record["multipliers"]);
-    let mut largest = spectrum.errors.into_iter().fold(0.0, f64::max);
+    let mut largest = spectrum.errors.iter().copied().fold(0.0, f64::max);
     if let Some((half, errors)) = &spectrum.half {
         worst = worst.max(over_bound(half, errors, &record["half_map_multipliers"]));
         largest = errors.iter().copied().fold(largest, f64::max);

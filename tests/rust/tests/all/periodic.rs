@@ -75,7 +75,7 @@ pub fn complex(values: &Value) -> Vec<Complex<f64>> {
 }
 
 /// The largest distance of a multiplier from a true one of its own: their order is that of their sizes, which may be equal.
-fn off(found: &[Complex<f64>; 4], truth: &Value) -> f64 {
+fn off(found: &[Complex<f64>], truth: &Value) -> f64 {
     let mut left = complex(truth);
     let mut worst = 0.0f64;
     for found in found {
@@ -94,8 +94,8 @@ fn judge<S: Coordinates>(name: &str, orbit: &Orbit<S>, record: &Value) {
     assert!(orbit.residual <= 50.0 * 0.5 * f64::EPSILON, "{name}: {:e}", orbit.residual);
     let worst = off(&orbit.multipliers, &record["multipliers"]);
     assert!(worst <= 1e-13, "{name}: {worst:e}");
-    if let Some(half) = orbit.half_multipliers {
-        let worst = off(&half, &record["half_map_multipliers"]);
+    if let Some(half) = &orbit.half_multipliers {
+        let worst = off(half, &record["half_map_multipliers"]);
         assert!(worst <= 1e-13, "{name}, half: {worst:e}");
     }
 }

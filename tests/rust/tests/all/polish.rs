@@ -15,7 +15,7 @@ use iva_core::{
     siva::Siva,
 };
 use iva_tests::dd::Dd;
-use nalgebra::Matrix4;
+use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 
 use crate::periodic::{cycle, mass, records, trajectory, truth};
@@ -52,11 +52,11 @@ fn the_digits_of_the_references_are_found() {
         let part = length * if symmetric { 0.5 } else { 1.0 };
         let begin = Twofold::from(orbit.trajectory.cycle.begin);
         let stretch = Stretch { begin, length: part, mirrored: symmetric };
-        let from = orbit.trajectory.system.coordinates(&orbit.trajectory.state);
+        let from = orbit.trajectory.system.point(&orbit.trajectory.state);
         let Polished { at, residual } =
             polish(&system, stretch, (&from, &orbit.derivative), None).unwrap();
         // On to the phase of the references.
-        let start = system.numbered(at);
+        let start = system.all_numbered(&at).unwrap();
         let cycles = (f64::from(begin) / f64::from(length)).ceil();
         let limits = Limits::new(length * cycles.max(1.0), system.clearance());
         let instant = Instant::at(&system, &start, begin);
@@ -75,10 +75,10 @@ fn the_digits_of_the_references_are_found() {
 fn what_does_not_converge_is_told() {
     let record = &records(include_str!("../../../reference/orbits.json"))[0];
     let (system, length) = scene(record);
-    let from = truth(record).add_scalar(1e-3);
+    let from = DVector::from_column_slice(truth(record).add_scalar(1e-3).as_slice());
     let stretch = Stretch { begin: 0.0.into(), length, mirrored: false };
-    let told = polish(&system, stretch, (&from, &(Matrix4::identity() * -3.0)), None);
+    let told = polish(&system, stretch, (&from, &(DMatrix::identity(4, 4) * -3.0)), None);
     assert!(matches!(told, Err(Missed::Stalled(residual)) if residual > 1e-6), "{told:?}");
-    let singular = polish(&system, stretch, (&from, &Matrix4::identity()), None);
+    let singular = polish(&system, stretch, (&from, &DMatrix::identity(4, 4)), None);
     assert_eq!(singular, Err(Missed::Singular));
 }

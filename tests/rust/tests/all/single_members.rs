@@ -162,7 +162,7 @@ fn plain_members_have_the_orbits_of_one_absorber() {
     let like = siva.numbered(system.numbers(&one.trajectory.state));
     let cycle = Cycle { begin: one.trajectory.cycle.begin, ..cycle };
     let other = find(&Trajectory::new(siva, &like, cycle).unwrap(), true, None).unwrap();
-    for (a, b) in one.multipliers.iter().zip(other.multipliers) {
+    for (a, b) in one.multipliers.iter().zip(&other.multipliers) {
         assert!((a - b).norm() < 1e-11, "{a} {b}");
     }
     let described = describe(&one, None).unwrap();
@@ -188,7 +188,7 @@ fn plain_members_have_the_orbits_of_one_absorber() {
     let like = piva.numbered([x, v, y, w]);
     let other = find(&Trajectory::new(piva, &like, cycle).unwrap(), false, None).unwrap();
     assert!(one.impacts > 0 && one.impacts == other.impacts);
-    for (a, b) in one.multipliers.iter().zip(other.multipliers) {
+    for (a, b) in one.multipliers.iter().zip(&other.multipliers) {
         assert!((a - b).norm() < 1e-6, "{a} {b}");
     }
 }

@@ -32,6 +32,12 @@ pub trait DifferentiableList: Absorber<Real = f64> {
     /// The derivative of all variables with respect to q, q̇, y and ẏ at the begin.
     fn derivative_at_begin(&self) -> DMatrix<f64>;
 
+    /// The derivative of all variables by the numbers of a state that are independent, and the indices of these.
+    fn by_numbers(&self) -> (DMatrix<f64>, Vec<usize>);
+
+    /// [`DifferentiableList::flow`] to some twelve digits.
+    fn fine_flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64>;
+
     /// Which absorbers the structure carries along in a state; `sticks`: the one at hand has come to rest on its wall.
     fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
 

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::series::EXACT;
+use super::single::FINE;
 use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Modal, ModalState};
@@ -226,6 +227,17 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
 
     fn flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
         self.flow_in_parts(from, carried, h, PART)
+    }
+
+    fn by_numbers(&self) -> (DMatrix<f64>, Vec<usize>) {
+        if self.is_single() {
+            return (self.spread(), self.four().to_vec());
+        }
+        (self.by_point(), self.independent())
+    }
+
+    fn fine_flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+        self.flow_in_parts(from, carried, h, FINE)
     }
 
     fn roundings(&self, moved: &Moved<'_, Self::State>) -> DVector<f64> {

@@ -16,7 +16,7 @@ use crate::number::real::Real;
 use crate::segment::flight::GapPoint;
 
 /// Length of the parts of a swing whose derivatives are to some twelve digits, in units of its fastest rate.
-const FINE: f64 = 0.05;
+pub(super) const FINE: f64 = 0.05;
 
 impl<R: Real, const N: usize, const M: usize> From<Start<R>> for ModalStart<R, N, M> {
     fn from(start: Start<R>) -> Self {
@@ -26,12 +26,17 @@ impl<R: Real, const N: usize, const M: usize> From<Start<R>> for ModalStart<R, N
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// True if four numbers tell the state.
+    pub(crate) fn is_single(&self) -> bool {
+        self.count() == 1 && self.structure.moves_as_one()
+    }
+
     /// Checks that four numbers tell the state.
     ///
     /// # Errors
     /// [`Invalid`] if they do not.
     pub fn check_single(&self) -> Result<(), Invalid> {
-        if self.count() != 1 || !self.structure.moves_as_one() {
+        if !self.is_single() {
             let rule = "give one absorber on one mode";
             return Err(Invalid::new("absorber", format!("a list of {}", self.count()), rule));
         }
@@ -41,13 +46,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     /// The indices of x, ẋ, y and ẏ among all variables.
-    fn four(&self) -> [usize; 4] {
+    pub(super) fn four(&self) -> [usize; 4] {
         let n = self.whole.count();
         [0, n, 2 * n, 2 * n + 1]
     }
 
     /// All variables by the four numbers.
-    fn spread(&self) -> DMatrix<f64> {
+    pub(super) fn spread(&self) -> DMatrix<f64> {
         let (begin, four) = (self.derivative_at_begin(), self.four());
         let mut spread = begin.select_columns(&four);
         if self.on_ground(0) {
@@ -71,8 +76,12 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
 
     /// −div ż where nothing swings or rubs: the same in any state.
     pub(crate) fn shrinking(&self) -> Option<f64> {
-        let jacobian = || self.folded(&self.jacobian(&self.at_rest(), &[false]));
-        (self.is_linear() && self.friction[0] == 0.0).then(|| -jacobian().trace())
+        let rubs = self.friction.iter().any(|it| *it != 0.0);
+        (self.is_linear() && !rubs).then(|| {
+            let (spread, numbers) = self.by_numbers();
+            let jacobian = self.jacobian(&self.at_rest(), &vec![false; self.count()]);
+            -(jacobian * spread).select_rows(&numbers).trace()
+        })
     }
 
     fn read(&self, all: &DVector<f64>) -> Vector4<f64> {

@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::errors::{ALIKE, DEVIATIONS, GRAZING, LOST, ROUNDING, UNIT};
+use super::jumps;
 use crate::absorber::Wall;
 use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place};
 
@@ -158,13 +159,8 @@ impl Grown {
         [before, after]: [&S::State; 2],
     ) -> (f64, bool) {
         let at_hand = system.at_hand(before);
-        let strikes = |k: &usize| {
-            let [distance, rate] = system.approach_of(before, *k);
-            !self.carried[*k] && distance == 0.0 && rate < 0.0
-        };
-        let struck: Vec<usize> = (0..self.carried.len()).filter(strikes).collect();
-        // All of one instant are taken at the first of them.
-        if struck.first() == Some(&at_hand) {
+        let struck = jumps::struck(system, before, &self.carried);
+        if !struck.is_empty() {
             self.end(system, time, before);
             self.meet(system, before, &struck);
             for &absorber in &struck {
@@ -224,19 +220,10 @@ impl Grown {
         &mut self,
         system: &S,
         struck: &[usize],
-        [before, after]: [&S::State; 2],
+        states: [&S::State; 2],
     ) {
-        let Some(&first) = struck.first() else { return };
         let n = self.coordinates;
-        let carried = system.carried(after, false);
-        let jump = system.impact_matrix(struck, [before, after], [&self.carried, &carried]);
-        let f = system.rates(before, &self.carried);
-        let f_after = system.rates(after, &carried);
-        let [y, _] = self.of(first);
-        let moved = (&f_after - &jump * &f) / f[y];
-        let mut saltation = jump;
-        let mut column = saltation.column_mut(y);
-        column += moved;
+        let (saltation, f_after) = jumps::saltation(system, struck, states, &self.carried);
         let speeds = (0..n).chain(struck.iter().map(|k| self.of(*k)[0]));
         let rounded: Vec<_> = speeds
             .map(|variable| {
@@ -261,18 +248,8 @@ impl Grown {
     /// Masses that were stuck are free from an instant on: each begins at rest on its wall.
     pub fn release<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
-        let before = self.rates_if_jumping(system, state);
-        let freed = system.carried(state, false);
-        let size = self.covariance.nrows();
-        let mut map = DMatrix::identity(size, size);
-        for k in (0..freed.len()).filter(|k| self.carried[*k] && !freed[*k]) {
-            for variable in self.of(k) {
-                map[(variable, variable)] = 0.0;
-            }
-        }
-        self.carry(&map);
+        self.carry(&jumps::release(system, state, &self.carried));
         self.begin(system, time, state, false);
-        self.jumped(before);
     }
 
     /// A mass has stopped in its gap at an instant, between these states.
@@ -283,44 +260,15 @@ impl Grown {
         [before, after]: [&S::State; 2],
     ) {
         self.end(system, time, before);
-        let [_, w] = self.of(system.at_hand(before));
-        let f = system.rates(before, &self.carried);
+        self.carry(&jumps::stop(system, [before, after], &self.carried));
         self.begin(system, time, after, false);
-        if self.lost {
-            return;
-        }
-        let size = self.covariance.nrows();
-        let mut saltation = DMatrix::identity(size, size);
-        let mut column = saltation.column_mut(w);
-        column += (&self.begun.1 - &f) / f[w];
-        self.carry(&saltation);
     }
 
     /// A mass that friction held slides off from an instant on.
     pub fn slipped<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
-        let before = self.rates_if_jumping(system, state);
+        self.carry(&jumps::slip(system, state, &self.carried));
         self.begin(system, time, state, false);
-        self.jumped(before);
-    }
-
-    /// The derivative of the instant at which the absorber at hand begins to slide, and the rates before, if they jump.
-    fn rates_if_jumping<S: DifferentiableList>(
-        &self,
-        system: &S,
-        state: &S::State,
-    ) -> Option<[DVector<f64>; 2]> {
-        let gradient = system.slip_gradient(state, &self.carried)?;
-        Some([gradient, system.rates(state, &self.carried)])
-    }
-
-    /// Carries the errors through a jump of the rates, by its saltation matrix.
-    fn jumped(&mut self, before: Option<[DVector<f64>; 2]>) {
-        if let Some([gradient, rates]) = before.filter(|_| !self.lost) {
-            let size = self.covariance.nrows();
-            let jump = (&rates - &self.begun.1) * gradient.transpose();
-            self.carry(&(DMatrix::identity(size, size) + jump));
-        }
     }
 
     /// The error of all further rebounds of a chatter of the absorber at hand after its last impact, from this state: their

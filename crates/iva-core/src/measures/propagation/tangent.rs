@@ -1,9 +1,9 @@
 //! The derivative of a run: the product of the flows and saltation matrices along it.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, Matrix4, Vector4};
 
-use crate::absorber::Clock;
 use crate::absorber::derivatives::Differentiable;
+use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
@@ -23,6 +23,18 @@ pub(crate) fn saltation<S: Differentiable>(
 /// The derivative of the state after the release from a wall: the absorber is at rest on it.
 pub(super) fn released() -> Matrix4<f64> {
     Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0))
+}
+
+/// An observer of the derivative of a run in the numbers of a state that are independent.
+pub trait Derivative<S: Absorber<Real = f64>>: Observer<S> + Default {
+    /// The derivative since this was last called, or since the begin of the run; from here on it is that of what follows.
+    fn factor(&mut self, system: &S) -> DMatrix<f64>;
+}
+
+impl<S: Differentiable> Derivative<S> for Tangent {
+    fn factor(&mut self, _system: &S) -> DMatrix<f64> {
+        DMatrix::from_column_slice(4, 4, self.take().as_slice())
+    }
 }
 
 /// An observer of the derivative of the state z = (x, ẋ, y, ẏ) (with W = b θ̇ in place of ẏ for a pendulum) with

@@ -1,0 +1,85 @@
+//! The derivative of a run of several members: the product of its flows and of the jumps at its events.
+
+use nalgebra::DMatrix;
+
+use super::{Derivative, jumps};
+use crate::absorber::derivatives::lists::DifferentiableList;
+use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::simulate::Instant;
+use crate::segment::flight::Motion;
+
+/// An observer of the derivative of the state with respect to that at the begin of the run, or since its factor was last taken, in all
+/// variables of a list.
+///
+/// As [`super::Tangent`] it counts who ends a chatter as stuck from the last impact before the sum.
+#[derive(Debug, Clone, Default)]
+pub struct Tangents {
+    product: DMatrix<f64>,
+    /// The members that the structure carries along.
+    carried: Vec<bool>,
+}
+
+impl Tangents {
+    fn carry<S: DifferentiableList>(&mut self, system: &S, map: &DMatrix<f64>, after: &S::State) {
+        self.product = map * &self.product;
+        self.carried = system.carried(after, false);
+    }
+}
+
+impl<S: DifferentiableList> Derivative<S> for Tangents {
+    fn factor(&mut self, system: &S) -> DMatrix<f64> {
+        let (by_numbers, numbers) = system.by_numbers();
+        let size = self.product.nrows();
+        let product = std::mem::replace(&mut self.product, DMatrix::identity(size, size));
+        (product * by_numbers).select_rows(&numbers)
+    }
+}
+
+impl<S: DifferentiableList> Observer<S> for Tangents {
+    fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
+        let carried = system.carried(&from.state, false);
+        let size = 2 * (system.coordinates() + carried.len());
+        *self = Self { product: DMatrix::identity(size, size), carried };
+    }
+
+    fn looks_within(&self) -> bool {
+        true
+    }
+
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        let from = span.motion.origin();
+        let carried = system.carried(from, false);
+        let flow = system.fine_flow(from, &carried, span.length);
+        (self.product, self.carried) = (flow * &self.product, carried);
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
+        let Contact { states, summed, .. } = *contact;
+        let struck = jumps::struck(system, states[0], &self.carried);
+        if !(summed || struck.is_empty()) {
+            let (map, _) = jumps::saltation(system, &struck, states, &self.carried);
+            self.carry(system, &map, states[1]);
+        }
+    }
+
+    fn stick(&mut self, system: &S, from: &Instant<S::State>) {
+        let carried = system.carried(&from.state, true);
+        self.product = system.stick_matrix(&from.state, &carried) * &self.product;
+        self.carried = carried;
+    }
+
+    fn release(&mut self, system: &S, from: &Instant<S::State>) {
+        let map = jumps::release(system, &from.state, &self.carried);
+        self.carry(system, &map, &from.state);
+    }
+
+    fn stop(&mut self, system: &S, _time: f64, states: [&S::State; 2]) {
+        let map = jumps::stop(system, states, &self.carried);
+        self.carry(system, &map, states[1]);
+    }
+
+    fn slip(&mut self, system: &S, from: &Instant<S::State>) {
+        let map = jumps::slip(system, &from.state, &self.carried);
+        self.carry(system, &map, &from.state);
+    }
+}
