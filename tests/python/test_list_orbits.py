@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import iva
+from iva import dynamics
 from iva.dynamics import Missed, orbit
 
 PRIMARY = iva.Primary(damping_ratio=0.03)
@@ -149,6 +150,27 @@ def test_a_search_goes_on_from_a_run_and_an_orbit() -> None:
         again = orbit(absorber, primary, force=force, start=begin, periods=one.periods)
         assert again
         assert again.amplitude == pytest.approx(one.amplitude, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["two masses", "friction", "two modes"])
+def test_attractors_are_what_runs_settle_on(name: str) -> None:
+    """Each start of a few ends in the orbit of the scene, or in what a run from it does."""
+    absorber, primary, force, _ = SCENES[name]
+    all_ = dynamics.attractors(absorber, primary, force=force, starts=6, most_periods=4)
+    assert all_.starts == 6
+    assert sum(all_.counts().values()) == 6
+    assert len(all_.box) == 6
+    assert all_.attractors
+    likely = max(all_.attractors, key=lambda one: one.count)
+    assert likely.orbit.stable
+    one: Any = found(name)
+    amplitudes: Any = [other.orbit.amplitude for other in all_.attractors]
+    assert min(abs(size - one.amplitude) for size in amplitudes) < 1e-9 * one.amplitude
+    assert "gap_velocity 1 " in repr(all_)
+    names = ("displacement", "velocity", "gap_displacement", "gap_velocity")
+    box = dict.fromkeys(names, (-0.1, 0.1))
+    with pytest.raises(ValueError, match="usual box"):
+        dynamics.attractors(absorber, primary, force=force, starts=2, box=box)
 
 
 def test_what_orbits_of_lists_do_not_take() -> None:

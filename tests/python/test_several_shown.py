@@ -129,7 +129,7 @@ def test_what_shows_one_refuses_several() -> None:
         with pytest.raises(ValueError, match="the run has 2, numbered from 0"):
             iva.plots.phase(run, relative=True, absorber=number)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"give an iva\.Siva, an iva\.Piva, an iva\.Stop or None"):
-        iva.dynamics.attractors(
+        iva.dynamics.lyapunov(
             PAIR,  # type: ignore[arg-type]
             PRIMARY,
             force=iva.Harmonic(amplitude=0.1, frequency=1.0),

@@ -62,7 +62,7 @@ pub mod sequence;
 pub mod spectrum;
 pub mod symmetry;
 
-pub use coordinates::{Coordinates, Numbered};
+pub use coordinates::{Coordinates, Numbered, Strobe};
 pub use family::Scenes;
 
 /// The stretch of time that a map covers, in 1/ωn: whole cycles of the drive, from one of its phases on.

@@ -196,6 +196,16 @@ impl Structure {
         self.natural_frequency
     }
 
+    /// What a force of 1 on a structure of 1 kg that moves as the natural mode does is to the point that runs see, where it acts there.
+    ///
+    /// # Errors
+    /// As [`Structure::new`], which has made them once.
+    pub(crate) fn natural_share(&self) -> Result<f64, Invalid> {
+        let modes = self.in_si()?;
+        let shape = modes.shapes(self.seen()).map_or(0.0, |shapes| shapes[self.natural_mode]);
+        Ok(shape * shape)
+    }
+
     /// Its modes in SI units.
     ///
     /// # Errors

@@ -8,19 +8,21 @@ from dataclasses import dataclass
 from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES
-from iva.dynamics.orbits import Orbit
+from iva.dynamics.orbits import IN_SI, Orbit
 from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
-from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
+from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Range, box_of
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorber, Primary, Start, spec
+from iva.parameters import Absorbers, Primary, Start, spec
 from iva.progress import reporting
 from iva.scene_lines import scene_lines
-from iva.scenes import scene
+from iva.scenes import absorbers, scene
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from typing import Any
 
     import polars as pl
 
@@ -67,9 +69,9 @@ class Attractors:
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
+    absorber : Siva, Piva, Stop, or a list of them
         The absorber.
-    primary : Primary
+    primary : Primary or Structure
         The primary system.
     force : Harmonic
         The force.
@@ -91,8 +93,9 @@ class Attractors:
     cancelled : int
         Number of other starts, which Ctrl-C has cut. Those that come to their orbit soon are
         finished first, so that the shares of a call that was cut lean towards their orbits.
-    box : tuple of pairs of float, length 4
-        The box that they fill: displacement, velocity, gap displacement and gap velocity.
+    box : tuple of pairs of float, length 4 or more
+        The box that they fill: displacement, velocity, gap displacement and gap velocity, of
+        several absorbers the latter two of each.
 
     Examples
     --------
@@ -104,8 +107,9 @@ class Attractors:
     ['++-']
     """
 
-    absorber: Absorber
-    primary: Primary
+    # Any: an absorber or a list, a primary or a structure, as they were given.
+    absorber: Any
+    primary: Any
     force: Drive
     attractors: tuple[Attractor, ...]
     no_impacts: int
@@ -115,7 +119,7 @@ class Attractors:
     left_out: tuple[str, ...]
     starts: int
     cancelled: int
-    box: Box
+    box: tuple[Range, ...]
 
     @property
     def shares(self) -> dict[str, float]:
@@ -185,20 +189,20 @@ class Attractors:
         lines += [f"  left out: {reason}" for reason in self.left_out]
         ranges = (
             f"{name} {low:.4g} to {high:.4g}"
-            for name, (low, high) in zip(NAMES, self.box, strict=True)
+            for name, (low, high) in zip(names_of(len(self.box)), self.box, strict=True)
         )
         lines.append(f"  starts in {', '.join(ranges)}")
-        lines += [
-            f"  {line}" for line in scene_lines(self.absorber, self.primary, *listed(self.force))
-        ]
-        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        parts = (*absorbers(self.absorber), self.primary, *listed(self.force))
+        lines += [f"  {line}" for line in scene_lines(*parts)]
+        of_units = IN_SI if isinstance(self.primary, Structure) else self.primary
+        lines.append(f"  {_iva.primary_units(spec(of_units))}")
         return "\n".join(lines)
 
 
 @spell_checked
 def attractors(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     starts: int = 500,
@@ -212,9 +216,9 @@ def attractors(
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, as for :func:`orbit`.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
@@ -229,7 +233,8 @@ def attractors(
     most_cycles : int, default 3000
         Most periods that are run from each start.
     box : mapping of str to pair of float, optional
-        The box, as for :func:`lyapunov`.
+        The box, as for :func:`lyapunov`. Of several absorbers the usual one is drawn from: all
+        gaps, and of a structure the motion of its natural mode.
     progress : bool or callable, default False
         As in :func:`iva.sweep`; a point is a start.
 
@@ -261,7 +266,9 @@ def attractors(
     >>> found.shares, found.attractors[0].pair
     ({'3:1': 1.0}, True)
     """
-    made = scene(absorber, primary, Start(), force, {})
+    if isinstance(absorber, (list, tuple)) and len(absorber) == 1:
+        absorber = absorber[0]
+    made = scene(absorber, primary, Start(), force, {}, several=True)
     warn_of_doubts(made)
     count = whole("starts", starts, 1, MOST_STARTS)
     given = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), False)
@@ -297,13 +304,29 @@ def attractors(
         attractors=tuple(periodic),
         no_impacts=found["no_impacts"],
         aperiodic=found["aperiodic"],
-        aperiodic_start=None if first is None else Start(**dict(zip(NAMES, first, strict=True))),
+        aperiodic_start=None if first is None else start_with(first),
         unfinished=tuple(unfinished),
         left_out=tuple(found["left_out"]),
         starts=count,
         cancelled=cancelled,
-        box=boxed(found["box"]),
+        box=tuple((low, high) for low, high in found["box"]),
     )
+
+
+def start_with(values: Sequence[float]) -> Start:
+    """Return the start with these numbers of the structure and of each absorber."""
+    if len(values) == len(NAMES):
+        return Start(**dict(zip(NAMES, values, strict=True)))
+    x, v, *gaps = values
+    return Start(displacement=x, velocity=v, gap_displacement=gaps[::2], gap_velocity=gaps[1::2])
+
+
+def names_of(count: int) -> list[str]:
+    """Return the names of so many numbers, of several absorbers with the number of each."""
+    if count == len(NAMES):
+        return list(NAMES)
+    each = (f"{name} {k}" for k in range(count // 2 - 1) for name in NAMES[2:])
+    return [*NAMES[:2], *each]
 
 
 def binomial(count: int, of: int) -> float:

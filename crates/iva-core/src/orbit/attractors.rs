@@ -9,9 +9,7 @@
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::Vector4;
-
-use super::coordinates::Coordinates;
+use super::coordinates::{Coordinates, Strobe};
 use super::periodic::{Orbit, find, reached};
 use super::{Cycle, Image, Iterated, Request, Trajectory, iterate, map};
 use crate::absorber::Clock;
@@ -59,9 +57,9 @@ pub struct Attractor<S: Coordinates> {
     /// The orbit.
     pub orbit: Orbit<S>,
     /// Its strobes at the begin of the cycle of the starts, in order of time: as many as it has cycles.
-    pub strobes: Vec<Vector4<f64>>,
+    pub strobes: Vec<S::Strobe>,
     /// Those of its mirror image, if mirror images count as one.
-    pub mirrored: Option<Vec<Vector4<f64>>>,
+    pub mirrored: Option<Vec<S::Strobe>>,
 }
 
 impl<S: Coordinates> Attractor<S> {
@@ -74,20 +72,20 @@ impl<S: Coordinates> Attractor<S> {
     pub fn is_pair(&self, clearance: f64) -> bool {
         let first = self.mirrored.as_ref().and_then(|them| them.first());
         first.is_some_and(|strobe| {
-            let near = NEAR * clearance.max(strobe.amax());
-            self.strobes.iter().all(|own| (own - strobe).amax() > near)
+            let near = NEAR * clearance.max(strobe.size());
+            self.strobes.iter().all(|own| own.apart(strobe) > near)
         })
     }
 
     /// True if a strobe is as near to one of its own, or of its mirror image, as trajectories are that have come to it.
-    pub fn is_near(&self, strobe: &Vector4<f64>, clearance: f64) -> bool {
-        self.is_at(strobe, NEAR * clearance.max(strobe.amax()))
+    pub fn is_near(&self, strobe: &S::Strobe, clearance: f64) -> bool {
+        self.is_at(strobe, NEAR * clearance.max(strobe.size()))
     }
 
     /// True if a strobe is within a distance of one of its own, or of its mirror image.
-    fn is_at(&self, strobe: &Vector4<f64>, within: f64) -> bool {
+    fn is_at(&self, strobe: &S::Strobe, within: f64) -> bool {
         let all = self.strobes.iter().chain(self.mirrored.iter().flatten());
-        all.into_iter().any(|known| (known - strobe).amax() <= within)
+        all.into_iter().any(|known| known.apart(strobe) <= within)
     }
 }
 
@@ -132,9 +130,10 @@ impl<S: Coordinates> Found<S> {
 
     /// The index of an attractor, which is added if it is new.
     fn place(&mut self, attractor: Attractor<S>, clearance: f64) -> usize {
-        let strobe = attractor.strobes.first().copied().unwrap_or_default();
-        let near = NEAR * clearance.max(strobe.amax());
-        let known = self.attractors.iter().position(|it| it.is_at(&strobe, near));
+        let near = |strobe: &S::Strobe| NEAR * clearance.max(strobe.size());
+        let first = attractor.strobes.first();
+        let at = |it: &Attractor<S>| first.is_some_and(|strobe| it.is_at(strobe, near(strobe)));
+        let known = self.attractors.iter().position(at);
         known.unwrap_or_else(|| {
             self.attractors.push(attractor);
             self.attractors.len() - 1
@@ -143,29 +142,29 @@ impl<S: Coordinates> Found<S> {
 }
 
 /// The last strobes of a trajectory.
-#[derive(Default)]
-struct Strobes {
+struct Strobes<T> {
     /// The strobe after k cycles is at k modulo the length.
-    ring: Vec<(Vector4<f64>, u64)>,
+    ring: Vec<(T, u64)>,
     count: u64,
     /// The cycle from which on Newton's method may be tried.
     next_try: u64,
 }
 
-impl Strobes {
-    fn back(&self, cycles: u64) -> &(Vector4<f64>, u64) {
+impl<T: Strobe> Strobes<T> {
+    fn back(&self, cycles: u64) -> &(T, u64) {
         &self.ring[((self.count - 1 - cycles) % self.ring.len() as u64) as usize]
     }
 
     /// Adds a strobe, with the impacts of the cycle before it; the number of cycles after which the strobes repeat, if they do,
     /// and the number of impacts in them.
-    fn repeat(&mut self, strobe: (Vector4<f64>, u64), clearance: f64) -> Option<(u64, u64)> {
+    fn repeat(&mut self, strobe: (T, u64), clearance: f64) -> Option<(u64, u64)> {
         let place = (self.count % self.ring.len() as u64) as usize;
         self.ring[place] = strobe;
         self.count += 1;
-        let size = clearance.max(strobe.0.amax());
+        let now = &self.back(0).0;
+        let size = clearance.max(now.size());
         let most = (self.ring.len() as u64 - 1).min(self.count - 1);
-        let repeats = |n: &u64| (self.back(*n).0 - strobe.0).amax() <= REPEATS * size;
+        let repeats = |n: &u64| self.back(*n).0.apart(now) <= REPEATS * size;
         let periods = (1..=most).find(repeats)?;
         Some((periods, (0..periods).map(|back| self.back(back).1).sum()))
     }
@@ -183,8 +182,8 @@ impl<S: Coordinates + Clone> Searching<'_, S> {
     /// nearby.
     fn attractor(&mut self, trajectory: &Trajectory<S>, periods: u64) -> Option<usize> {
         let system = &trajectory.system;
-        let strobe = system.coordinates(&trajectory.state);
-        let near = NEAR * system.clearance().max(strobe.amax());
+        let strobe = system.strobe(&trajectory.state);
+        let near = NEAR * system.clearance().max(strobe.size());
         let known = self.attractors.iter().position(|attractor| attractor.is_at(&strobe, near));
         if known.is_some() {
             return known;
@@ -209,13 +208,13 @@ impl<S: Coordinates + Clone> Searching<'_, S> {
         &self,
         trajectory: &Trajectory<S>,
         periods: u64,
-    ) -> Option<(Orbit<S>, Vec<Vector4<f64>>)> {
+    ) -> Option<(Orbit<S>, Vec<S::Strobe>)> {
         let one = trajectory.cycle;
         let cycle = Cycle { length: one.length * periods as f64, ..one };
         let orbit = find(&Trajectory { cycle, ..trajectory.clone() }, false, self.cancel).ok()?;
         let strobes = strobes(&orbit, one, periods, self.cancel)?;
-        let size = trajectory.system.clearance().max(strobes[0].amax());
-        let repeats = |n: &usize| (strobes[*n] - strobes[0]).amax() <= REPEATS * size;
+        let size = trajectory.system.clearance().max(strobes[0].size());
+        let repeats = |n: &usize| strobes[*n].apart(&strobes[0]) <= REPEATS * size;
         let fewer = (1..strobes.len()).filter(|n| strobes.len().is_multiple_of(*n)).find(repeats);
         match fewer {
             Some(fewer) => self.orbit(trajectory, fewer as u64),
@@ -238,12 +237,12 @@ impl Search {
         &self,
         system: &S,
         image: &Image<S::State>,
-        strobes: &mut Strobes,
+        strobes: &mut Strobes<S::Strobe>,
     ) -> Option<Told<S::State>> {
         if image.outcome != Outcome::Finished {
             return Some(Told::Class(Class::Unfinished(image.outcome)));
         }
-        let strobe = (system.coordinates(&image.state), image.impacts);
+        let strobe = (system.strobe(&image.state), image.impacts);
         match strobes.repeat(strobe, system.clearance()) {
             Some((_, 0)) => return Some(Told::Class(Class::NoImpacts)),
             Some((periods, _)) if strobes.count >= strobes.next_try => {
@@ -262,7 +261,7 @@ pub(super) fn strobes<S: Coordinates + Clone>(
     cycle: Cycle,
     periods: u64,
     cancel: Option<&AtomicBool>,
-) -> Option<Vec<Vector4<f64>>> {
+) -> Option<Vec<S::Strobe>> {
     let Trajectory { system, cycle: section, .. } = &orbit.trajectory;
     // The orbit begins in the middle of a flight: the first strobe after it.
     let later = (cycle.begin - section.begin).rem_euclid(cycle.length);
@@ -270,11 +269,11 @@ pub(super) fn strobes<S: Coordinates + Clone>(
         true => reached(&orbit.trajectory, section.begin + later, cancel, &mut ()).ok()?,
         false => orbit.trajectory.state,
     };
-    let start = system.start_at(&system.coordinates(&state))?;
+    let start = system.start_of(&system.point(&state))?;
     let mut trajectory = Trajectory::new(system.clone(), &start, cycle).ok()?;
     let mut strobes = vec![];
     for _ in 0..periods {
-        strobes.push(system.coordinates(&trajectory.state));
+        strobes.push(system.strobe(&trajectory.state));
         trajectory.state = map(&trajectory, false, cancel).ok()?.state;
     }
     Some(strobes)
@@ -283,15 +282,16 @@ pub(super) fn strobes<S: Coordinates + Clone>(
 /// The strobes of the mirror image of a motion, half a cycle later.
 fn mirrored<S: Coordinates + Clone>(
     trajectory: &Trajectory<S>,
-    strobes: &[Vector4<f64>],
+    strobes: &[S::Strobe],
     cancel: Option<&AtomicBool>,
-) -> Option<Vec<Vector4<f64>>> {
+) -> Option<Vec<S::Strobe>> {
     let Trajectory { system, cycle: Cycle { begin, length }, .. } = trajectory;
     let half = Cycle { begin: *begin, length: 0.5 * length };
-    let one = |strobe: &Vector4<f64>| {
-        let state = system.begin_at(&system.start_at(strobe)?, Clock::new(*begin));
+    let one = |strobe: &S::Strobe| {
+        let state = system.begin_at(&system.start_at_strobe(strobe)?, Clock::new(*begin));
         let half = Trajectory { cycle: half, ..trajectory.from(&state) };
-        Some(-system.coordinates(&map(&half, false, cancel).ok()?.state))
+        let image = -system.point(&map(&half, false, cancel).ok()?.state);
+        Some(S::Strobe::with(image.as_slice()))
     };
     strobes.iter().map(one).collect()
 }
@@ -310,10 +310,9 @@ pub fn attractors<S: Iterated + Coordinates + Clone>(
             (search.most_periods, format!("give a number from 1 to {MOST_PERIODS}"));
         return Err(Invalid::new("most_periods", value.to_string(), rule));
     }
-    let empty = (Vector4::repeat(f64::NAN), 0);
-    let ring = vec![empty; search.most_periods as usize + 1];
-    let fresh = || Strobes { ring: ring.clone(), ..Strobes::default() };
-    let mut all: Vec<Strobes> = trajectories.iter().map(|_| fresh()).collect();
+    let ring = vec![(S::Strobe::none(), 0); search.most_periods as usize + 1];
+    let fresh = || Strobes { ring: ring.clone(), count: 0, next_try: 0 };
+    let mut all: Vec<Strobes<S::Strobe>> = trajectories.iter().map(|_| fresh()).collect();
     let mut classes = vec![Class::Unfinished(Outcome::Cancelled); trajectories.len()];
     let mut searching = Searching { search, cancel, attractors: vec![] };
     let request = Request { tangents: false, cancel };

@@ -30,10 +30,68 @@ pub trait Numbered: Absorber {
     }
 }
 
+/// All numbers of a state at a strobe.
+pub trait Strobe: Clone + std::fmt::Debug + Send + Sync {
+    /// No state: not a number.
+    fn none() -> Self;
+    /// The numbers.
+    fn numbers(&self) -> &[f64];
+    /// The same with other numbers.
+    fn with(numbers: &[f64]) -> Self;
+    /// The largest size of a number.
+    fn size(&self) -> f64 {
+        self.numbers().iter().fold(0.0, |size: f64, it| size.max(it.abs()))
+    }
+    /// The largest difference to another.
+    fn apart(&self, other: &Self) -> f64 {
+        let both = self.numbers().iter().zip(other.numbers());
+        // What is not a number is apart from all.
+        both.fold(0.0, |most: f64, (a, b)| if (a - b).abs() <= most { most } else { (a - b).abs() })
+    }
+}
+
+impl Strobe for Vector4<f64> {
+    fn none() -> Self {
+        Vector4::repeat(f64::NAN)
+    }
+
+    fn numbers(&self) -> &[f64] {
+        self.as_slice()
+    }
+
+    fn with(numbers: &[f64]) -> Self {
+        Vector4::from_column_slice(numbers)
+    }
+}
+
+impl Strobe for Vec<f64> {
+    fn none() -> Self {
+        vec![f64::NAN]
+    }
+
+    fn numbers(&self) -> &[f64] {
+        self
+    }
+
+    fn with(numbers: &[f64]) -> Self {
+        numbers.to_vec()
+    }
+}
+
 /// One that runs in doubles, with the derivatives of its motion.
 pub trait Coordinates: Differentiable + Numbered + Sized {
     /// The observer of the derivative of a run, in all numbers of a state.
     type Derivative: Derivative<Self>;
+    /// The numbers of a strobe, of which there are many: without a heap where they are four.
+    type Strobe: Strobe;
+    /// The strobe of a state.
+    fn strobe(&self, state: &Self::State) -> Self::Strobe {
+        Strobe::with(&self.all_numbers(state))
+    }
+    /// The start at a strobe; `None` if it is of no place in a gap.
+    fn start_at_strobe(&self, strobe: &Self::Strobe) -> Option<Self::Start> {
+        self.start_of(&DVector::from_column_slice(strobe.numbers()))
+    }
     /// The point of a state: all its numbers.
     fn point(&self, state: &Self::State) -> DVector<f64> {
         self.all_numbers(state).into()
@@ -94,6 +152,11 @@ where
     Self: Differentiable + Absorber<Start = Start>,
 {
     type Derivative = Tangent;
+    type Strobe = Vector4<f64>;
+
+    fn strobe(&self, state: &Self::State) -> Vector4<f64> {
+        self.coordinates(state)
+    }
 
     /// 2ζ.
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
@@ -134,6 +197,11 @@ where
 
 impl<H: Host<Real = f64>> Coordinates for Piva<H> {
     type Derivative = Tangent;
+    type Strobe = Vector4<f64>;
+
+    fn strobe(&self, state: &Self::State) -> Vector4<f64> {
+        self.coordinates(state)
+    }
 
     /// The trace of the damping matrix over the mass matrix, (2ζ κ + 2ζp r κ (1 + μ))/(κ (1 + μ) − μ cos²θ).
     fn contraction(&self, gap_displacement: f64) -> Option<f64> {
@@ -179,6 +247,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Numbered for Mo
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<H, N, M> {
     type Derivative = Tangents;
+    type Strobe = Vec<f64>;
 
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         self.shrinking().filter(|_| !(self.is_single() && self.on_ground(0)))

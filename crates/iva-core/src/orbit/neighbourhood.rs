@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 use nalgebra::{Matrix4, Vector4};
 
 use super::attractors::Attractor;
-use super::coordinates::Coordinates;
+use super::coordinates::{Coordinates, Strobe as _};
 use super::{Trajectory, map};
 use crate::absorber::Clock;
 use crate::engine::simulate::Outcome;
@@ -61,7 +61,9 @@ pub fn neighbourhoods<S: Coordinates + Clone>(
     for (index, attractor) in attractors.iter().enumerate() {
         let periods = attractor.periods();
         for strobe in attractor.strobes.iter().chain(attractor.mirrored.iter().flatten()) {
-            let around = Around { trajectory, centre: *strobe, periods, cancel };
+            // Of one absorber on one mode.
+            let Ok(centre) = <[f64; 4]>::try_from(strobe.numbers()) else { continue };
+            let around = Around { trajectory, centre: centre.into(), periods, cancel };
             all.extend(around.neighbourhood(index));
         }
     }

@@ -8,8 +8,8 @@ use iva_core::orbit::symmetry::find_any;
 use iva_core::orbit::{Cycle, Trajectory};
 
 use super::basins::{LeftOut, untold};
-use super::family::{Family, with_member};
-use super::starts::{Bounds, Drawn, Numbers, Startable};
+use super::family::{Family, Member, with_member};
+use super::starts::{AllStarts, Drawn, Numbers, Startable};
 use super::{Found, Missed, Outcome, Tracker, told};
 use crate::design::Spec;
 use crate::sweep::SweepError;
@@ -41,11 +41,11 @@ pub struct Inventory {
     /// Number of starts whose strobes do not repeat, or whose orbit is left out.
     pub aperiodic: usize,
     /// The first of these.
-    pub aperiodic_start: Option<Numbers>,
+    pub aperiodic_start: Option<Vec<f64>>,
     /// How cycles ended that did not finish, one for each such start.
     pub unfinished: Vec<Outcome>,
-    /// The box of the starts.
-    pub bounds: Bounds,
+    /// The box of the starts: displacement and velocity, gap displacement and gap velocity of each absorber.
+    pub bounds: Vec<[f64; 2]>,
     /// The orbits that cannot be described, with the reasons.
     pub left_out: Vec<LeftOut>,
 }
@@ -61,19 +61,25 @@ pub fn attractors(
     (most_periods, most_cycles): (u32, u64),
     tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
-    let family = Family::new(spec, None, 1)?;
+    let family = Family::of_all(spec.clone(), 1)?;
     let search = Search { most_periods, most_cycles, join_mirrored: family.mirrors };
-    with_member!(&family.member, |it| inventory(&family, it, drawn, search, tracker))
+    if let (Member::System(like), true) = (&family.member, family.is_several()) {
+        let starts = family.drawn_of_all(spec, drawn)?;
+        return inventory(&family, like, starts, search, tracker);
+    }
+    with_member!(&family.member, |it| {
+        let starts = family.drawn(it, drawn)?.of_all();
+        inventory(&family, it, starts, search, tracker)
+    })
 }
 
 fn inventory<S: Startable>(
     family: &Family,
     like: &Trajectory<S>,
-    drawn: Drawn,
+    starts: AllStarts<S>,
     search: Search,
     tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
-    let starts = family.drawn(like, drawn)?;
     let found = searched(&starts.trajectories, search, tracker)?;
     // What was found before a call was cancelled is told all the same.
     let cancel = &AtomicBool::new(false);
@@ -102,7 +108,7 @@ fn inventory<S: Startable>(
         attractors,
         no_impacts: found.share(|class| *class == Class::NoImpacts).count,
         aperiodic: found.share(|class| unlike.contains(class)).count,
-        aperiodic_start: first.map(|index| starts.numbers[index]),
+        aperiodic_start: first.map(|index| starts.numbers[index].clone()),
         unfinished: unfinished.collect(),
         bounds: starts.bounds,
         left_out,
@@ -141,7 +147,7 @@ pub(super) fn told_of<S: Startable>(
     let periods = attractor.periods() as u32;
     let cancel = Some(cancel);
     let maybe_symmetric = family.mirrors && !periods.is_multiple_of(2);
-    let start = attractor.strobes.first().and_then(|strobe| like.system.start_at(strobe));
+    let start = attractor.strobes.first().and_then(|strobe| like.system.start_at_strobe(strobe));
     let orbit = match start.filter(|_| maybe_symmetric) {
         Some(start) => {
             // Sought anew from the phase of the starts, so that its section is no further than a cycle from there.

@@ -7,7 +7,7 @@ use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::basin_entropy::entropy;
 use iva_core::orbit::basins::{Cell, Ending};
 use iva_core::orbit::neighbourhood::neighbourhoods;
-use iva_core::orbit::{Coordinates, Trajectory};
+use iva_core::orbit::{Coordinates, Strobe as _, Trajectory};
 
 use super::attractors::{begun, searched, told_of};
 use super::family::{Family, with_member};
@@ -72,7 +72,7 @@ pub enum LeftOut {
     /// Starts end in an orbit that cannot be described.
     Untold {
         /// A start on it.
-        start: Numbers,
+        start: Vec<f64>,
         /// Number of periods after which it repeats.
         periods: u32,
         /// Why it cannot be described.
@@ -211,7 +211,7 @@ fn given_ones<S: Startable>(begins: &[Trajectory<S>], found: &core::Found<S>) ->
             Class::Periodic(orbit) => found.attractors.get(*orbit),
             _ => None,
         };
-        let start = begin.system.coordinates(&begin.state);
+        let start = begin.system.strobe(&begin.state);
         let near = |orbit: &Attractor<S>| orbit.is_near(&start, begin.system.clearance());
         let before = all.known.iter().find(|(_, known)| near(known));
         match (orbit.filter(|it| near(it)), before) {
@@ -253,8 +253,11 @@ pub(super) fn untold<S: Startable>(
     orbit: &Attractor<S>,
     why: Missed,
 ) -> LeftOut {
-    let first = orbit.strobes.first().copied().unwrap_or_default();
-    let start = like.system.user_numbers(&family.scale, first.into());
+    let first = orbit.strobes.first().map_or(&[][..], |strobe| strobe.numbers());
+    let start = match <Numbers>::try_from(first) {
+        Ok(four) if !family.is_several() => like.system.user_numbers(&family.scale, four).to_vec(),
+        _ => first.to_vec(),
+    };
     LeftOut::Untold { start, periods: orbit.periods() as u32, why }
 }
 

@@ -166,7 +166,8 @@ impl Family {
             let damped = 2.0 * scene.damping_ratio() * frequency;
             amplitude.abs() / damped.hypot(1.0 - frequency * frequency)
         };
-        let amplitude = harmonics.iter().map(alone).sum();
+        let size = spec.structure().map_or(Ok(1.0), |it| it.natural_share())?;
+        let amplitude = harmonics.iter().map(alone).sum::<f64>() * size;
         let cycle = Cycle { begin, length: f64::from(periods) * period };
         let owners: Vec<usize> = spec.owners().collect();
         // Where it depends on the speed as well, the walls are alike if they are given alike.
@@ -195,8 +196,9 @@ impl Family {
             }
             Scene::FewModes(mounted) => {
                 let Mounted { system, start, .. } = *mounted;
-                if system.on_ground(0) {
-                    within = system.walls_of(0);
+                for k in (0..owners.len()).filter(|k| system.on_ground(*k)) {
+                    let [low, high] = system.walls_of(k);
+                    within = [within[0].max(low), within[1].min(high)];
                 }
                 Member::System(Box::new(Trajectory::new(system, &start, cycle)?))
             }

@@ -1,12 +1,17 @@
 //! Starts in the user's units, given or drawn at random.
 
+use iva_core::absorber::modal::FewModes;
 use iva_core::absorber::{Absorber, Clock, OnStructure, Start};
 use iva_core::error::{Invalid, number};
+use iva_core::host::DrivenHost;
 use iva_core::orbit::{Coordinates, Iterated, Trajectory};
 use iva_core::piva::Angles;
 
 use super::family::{Family, Member};
+use crate::choices::Kind;
 use crate::cube::{Cube, Method};
+use crate::design::Spec;
+use crate::fields::FieldId;
 use crate::units::Scale;
 
 /// Displacement and velocity of the structure, gap displacement and gap velocity.
@@ -162,6 +167,91 @@ pub(super) struct Starts<S: Absorber> {
     pub numbers: Vec<Numbers>,
     /// The box in which they are.
     pub bounds: Bounds,
+}
+
+impl<S: Absorber> Starts<S> {
+    /// The same without a limit to how many numbers a start has.
+    pub fn of_all(self) -> AllStarts<S> {
+        let Self { trajectories, numbers, bounds } = self;
+        let numbers = numbers.into_iter().map(Vec::from).collect();
+        AllStarts { trajectories, numbers, bounds: bounds.to_vec() }
+    }
+}
+
+/// Trajectories from starts of any number of absorbers.
+pub(super) struct AllStarts<S: Absorber> {
+    pub trajectories: Vec<Trajectory<S>>,
+    /// Displacement and velocity, gap displacement and gap velocity of each absorber, in the user's units.
+    pub numbers: Vec<Vec<f64>>,
+    /// The box in which they are.
+    pub bounds: Vec<[f64; 2]>,
+}
+
+impl Family {
+    /// True if four numbers do not tell a state.
+    pub fn is_several(&self) -> bool {
+        matches!(&self.member, Member::System(it) if it.system.check_single().is_err())
+    }
+
+    /// The usual box of starts of all absorbers.
+    fn bounds_of_all(&self, system: &FewModes<DrivenHost>) -> Vec<[f64; 2]> {
+        let frequency = std::f64::consts::TAU / self.period;
+        let x = if self.amplitude.is_finite() { self.amplitude } else { system.clearance() };
+        let v = self.scale.velocity(x * frequency);
+        let [low, high] = self.within;
+        let gap = |k: usize| {
+            let reach = system.pendulum(k).filter(|it| it.angles == Angles::Large);
+            let reach = reach.map_or(f64::INFINITY, |it| it.contact_distance);
+            let (middle, half) = (self.middles[k], system.clearance_of(k).min(reach));
+            let [minus, plus] = system.walls_of(k);
+            [[(middle - half).max(minus), (middle + half).min(plus)], [-v, v]]
+        };
+        let own = [[-x, x].map(|x| x.clamp(low, high)), [-v, v]];
+        own.into_iter().chain((0..self.middles.len()).flat_map(gap)).collect()
+    }
+
+    /// Trajectories of all absorbers from starts that are drawn from the usual box.
+    ///
+    /// # Errors
+    /// [`Invalid`] for another box, and as of the scene.
+    pub(super) fn drawn_of_all(
+        &self,
+        spec: &Spec,
+        drawn: Drawn,
+    ) -> Result<AllStarts<FewModes<DrivenHost>>, Invalid> {
+        let Member::System(like) = &self.member else {
+            return Ok(AllStarts { trajectories: vec![], numbers: vec![], bounds: vec![] });
+        };
+        if drawn.within != Within::Usual {
+            let rule = "starts of several absorbers are drawn from the usual box; leave it out";
+            return Err(Invalid::new("box", "given", rule));
+        }
+        let bounds = self.bounds_of_all(&like.system);
+        let cube = Cube::new(Method::Random, drawn.count, drawn.seed, false, bounds.len())
+            .map_err(|error| Invalid::new("starts", drawn.count.to_string(), error.to_string()))?;
+        let (mut trajectories, mut numbers) = (vec![], vec![]);
+        for point in 0..drawn.count {
+            let at = |(axis, [low, high]): (usize, &[f64; 2])| {
+                low + (high - low) * cube.coordinate(point, axis)
+            };
+            let one: Vec<f64> = bounds.iter().enumerate().map(at).collect();
+            let mut from = spec.clone();
+            from.replace(FieldId::Displacement, one[0])?;
+            from.replace(FieldId::Velocity, one[1])?;
+            for (k, gap) in one[2..].chunks(2).enumerate() {
+                // A stop on the ground has no place of its own.
+                if from.choices_of(k).kind != Kind::Stop {
+                    from.replace(from.slot(FieldId::GapDisplacement, k), gap[0])?;
+                    from.replace(from.slot(FieldId::GapVelocity, k), gap[1])?;
+                }
+            }
+            if let Member::System(trajectory) = Self::of_all(from, 1)?.member {
+                trajectories.push(*trajectory);
+                numbers.push(one);
+            }
+        }
+        Ok(AllStarts { trajectories, numbers, bounds })
+    }
 }
 
 /// Checks a box.

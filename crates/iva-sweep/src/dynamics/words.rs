@@ -85,9 +85,9 @@ impl LeftOut {
                 format!("attractor {index}: it is the same orbit as attractor {label}")
             }
             LeftOut::Untold { start, periods, why } => {
-                let [x, v, y, w] = start.map(number);
-                let why = words(why).1;
-                format!("an orbit of {periods} periods through ({x}, {v}, {y}, {w}): {why}")
+                let all: Vec<String> = start.iter().map(|it| number(*it)).collect();
+                let (at, why) = (all.join(", "), words(why).1);
+                format!("an orbit of {periods} periods through ({at}): {why}")
             }
             LeftOut::NoNeighbourhood { label } => {
                 format!("attractor {label}: no neighbourhood was found that runs stay in")
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn an_orbit_that_is_left_out_has_a_reason() {
         let start = [0.5, -1.0, 0.0, 2.0];
-        let untold = LeftOut::Untold { start, periods: 3, why: Missed::Singular };
+        let untold = LeftOut::Untold { start: start.to_vec(), periods: 3, why: Missed::Singular };
         let told = untold.words();
         assert!(
             told.starts_with("an orbit of 3 periods through (0.5, -1, 0, 2): the orbit is not")

@@ -3,9 +3,10 @@
 use nalgebra::DMatrix;
 
 use super::{Derivative, jumps};
+use crate::absorber::Clock;
 use crate::absorber::derivatives::lists::DifferentiableList;
 use crate::engine::observe::{Contact, Observer, Span};
-use crate::engine::simulate::Instant;
+use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
 
 /// An observer of the derivative of the state with respect to that at the begin of the run, or since its factor was last taken, in all
@@ -17,9 +18,20 @@ pub struct Tangents {
     product: DMatrix<f64>,
     /// The members that the structure carries along.
     carried: Vec<bool>,
+    /// The instant at which the current motion of a linear system has begun; `None` of another, whose motions are taken part by part.
+    begun: Option<Clock>,
 }
 
 impl Tangents {
+    /// The motion of a linear system ends in a state at an instant.
+    fn end_motion<S: DifferentiableList>(&mut self, system: &S, state: &S::State, time: Clock) {
+        let h = self.begun.map_or(0.0, |begun| (time - begun).value);
+        if h > 0.0 {
+            self.product = system.fine_flow(state, &self.carried, h) * &self.product;
+            self.begun = Some(time);
+        }
+    }
+
     fn carry<S: DifferentiableList>(&mut self, system: &S, map: &DMatrix<f64>, after: &S::State) {
         self.product = map * &self.product;
         self.carried = system.carried(after, false);
@@ -39,14 +51,18 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
         let carried = system.carried(&from.state, false);
         let size = 2 * (system.coordinates() + carried.len());
-        *self = Self { product: DMatrix::identity(size, size), carried };
+        let begun = system.is_linear().then_some(from.time);
+        *self = Self { product: DMatrix::identity(size, size), carried, begun };
     }
 
     fn looks_within(&self) -> bool {
-        true
+        self.begun.is_none()
     }
 
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        if self.begun.is_some() {
+            return;
+        }
         let from = span.motion.origin();
         let carried = system.carried(from, false);
         let flow = system.fine_flow(from, &carried, span.length);
@@ -54,9 +70,10 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
-        let Contact { states, summed, .. } = *contact;
+        let Contact { time, states, summed } = *contact;
         let struck = jumps::struck(system, states[0], &self.carried);
         if !(summed || struck.is_empty()) {
+            self.end_motion(system, states[0], Clock::new(time));
             let (map, _) = jumps::saltation(system, &struck, states, &self.carried);
             self.carry(system, &map, states[1]);
         }
@@ -69,17 +86,24 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
+        self.end_motion(system, &from.state, from.time);
         let map = jumps::release(system, &from.state, &self.carried);
         self.carry(system, &map, &from.state);
     }
 
-    fn stop(&mut self, system: &S, _time: f64, states: [&S::State; 2]) {
+    fn stop(&mut self, system: &S, time: f64, states: [&S::State; 2]) {
+        self.end_motion(system, states[0], Clock::new(time));
         let map = jumps::stop(system, states, &self.carried);
         self.carry(system, &map, states[1]);
     }
 
     fn slip(&mut self, system: &S, from: &Instant<S::State>) {
+        self.end_motion(system, &from.state, from.time);
         let map = jumps::slip(system, &from.state, &self.carried);
         self.carry(system, &map, &from.state);
+    }
+
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        self.end_motion(system, &tally.state, tally.clock);
     }
 }
