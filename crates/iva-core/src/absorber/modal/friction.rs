@@ -142,14 +142,28 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
                 .filter(|k| rests[*k])
                 .find_map(|k| self.broken(state, k).map(|sliding| (k, sliding)))
             else {
+                // Who slips at the same instant as another is balanced as well.
+                for (k, _) in rests.iter().enumerate().filter(|(_, rests)| **rests) {
+                    if !state.places[k].held && self.leaves_smoothly(k) {
+                        let [a, ..] = self.shaken(state, k);
+                        state.places[k].leaves |= self.balanced(state, k, a) == 0.0;
+                    }
+                }
                 return;
             };
             state.renew();
+            state.places[k].leaves = false;
             state.places[k].sliding = sliding;
             state.places[k].held = sliding == 0.0;
         }
         // Not found in more changes than there are states: the run ends as not finite, rather than with any of them.
         state.modes.places[0] = DoubleDouble::new(R::NAN);
+    }
+
+    /// A difference of accelerations of a member at rest; 0 where it is rounding of what friction holds it with.
+    fn balanced(&self, state: &ModalState<H, N, M>, k: usize, value: R) -> R {
+        let holds = self.held_up_to(k, &state.places[k]);
+        if value.abs() <= holds * (R::EPSILON * BALANCED_ULPS) { R::ZERO } else { value }
     }
 
     /// With which sign a mass at rest in its gap has to slide, 0 if it has to be held, where what is said of it contradicts A; else `None`.
@@ -159,10 +173,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         if held {
             let over = |s: R| {
                 let left = s.mul_add(a, self.held_up_to(k, &state.places[k]));
+                let left = self.balanced(state, k, left);
                 left < 0.0 || (left == 0.0 && s * jerk < 0.0)
             };
             return [R::ONE, -R::ONE].into_iter().find(|s| over(*s));
         }
+        let a = self.balanced(state, k, a);
         let goes = sliding * a < 0.0 || (a == 0.0 && sliding * jerk < 0.0);
         (sliding == 0.0 || !goes).then_some(R::ZERO)
     }
