@@ -42,6 +42,8 @@ KEYWORDS = [
     if parameter.kind in (parameter.KEYWORD_ONLY, parameter.POSITIONAL_OR_KEYWORD)
     and len(parameter.name) > 2
     and parameter.name != "self"
+    # Of `displacements` that is another keyword.
+    and parameter.name[:-1] not in inspect.signature(called).parameters
 ]
 
 
