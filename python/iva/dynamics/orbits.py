@@ -155,7 +155,8 @@ class Orbit:
         Bounds on the absolute errors of these.
     rank : int
         Largest rank that the derivative over a cycle can have: as many as there are multipliers,
-        2 less for each absorber with a ride on a wall, 1 less for each other with a plastic impact.
+        2 less for each absorber that rides on a wall at one instant, 1 less for another with a
+        plastic impact then.
     stable : bool
         All multipliers are smaller than 1 in size.
     residual : float

@@ -45,8 +45,8 @@ def orbit(
     Parameters
     ----------
     absorber : Siva, Piva, Stop, or a list of them
-        A free mass, a pendulum, or a stop on the ground; or several, up to four absorbers and
-        modes, of which masses with a spring or a dashpot count twice.
+        A free mass, a pendulum, or a stop on the ground; or up to four on up to four modes, among
+        which masses with a spring or a dashpot and stops count as well.
     primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic

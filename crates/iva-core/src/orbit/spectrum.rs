@@ -5,6 +5,7 @@
 //! (1985) 77–80). E is the rounding of the product of its factors (`orbit/rounding.rs`) and the change of M from the orbit
 //! found to the true one, which residual and rounding of the run tell.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Complex, DMatrix, DVector};
@@ -16,6 +17,7 @@ use super::periodic::{Missed, Orbit, flown, reached, state_at};
 use super::rounding::Rounding;
 use super::{Cycle, Trajectory};
 use crate::absorber::LawAt;
+use crate::engine::observe::StickEpisode;
 
 /// The bound of an error, over its standard error.
 const CERTAIN: f64 = 4.0;
@@ -33,8 +35,8 @@ pub struct Spectrum {
     pub errors: Vec<f64>,
     /// The multipliers of the half map of a symmetric orbit, with their errors.
     pub half: Option<(Vec<Complex<f64>>, Vec<f64>)>,
-    /// The largest rank that the monodromy matrix can have: the dimension of the state, 2 less for each absorber that rides on a wall, 1 less
-    /// for each other with a plastic impact.
+    /// The largest rank that the monodromy matrix can have: the dimension of the state, 2 less for each absorber that rides on a wall at one
+    /// instant, 1 less for another with a plastic impact then.
     pub rank: usize,
     /// The product of the multipliers minus its exact value e^(2N) exp(−∫ contraction): of unlike walls each impact has its
     /// own e, and where e depends on the approach speed u, e d(e u)/du in place of e². `None` with a ride, or where no
@@ -58,16 +60,9 @@ pub fn spectrum<S: Coordinates + Clone>(
     let law = |it: &crate::impact::Impact| {
         system.law_of(it.absorber.into(), it.wall, it.approach_speed())
     };
-    let lost = |absorber: usize| {
-        let impacts = description.impacts.iter().filter(|it| usize::from(it.absorber) == absorber);
-        let mut episodes = description.episodes.iter();
-        if episodes.any(|it| usize::from(it.absorber) == absorber) {
-            return 2;
-        }
-        usize::from(impacts.map(law).any(|law| law.restitution == 0.0))
-    };
-    let lost: usize = (0..system.absorbers().max(1)).map(lost).sum();
-    let rank = system.dimension() - lost;
+    let length = orbit.trajectory.cycle.length;
+    let plastic = description.impacts.iter().filter(|it| law(it).restitution == 0.0);
+    let rank = system.dimension().saturating_sub(lost(description, plastic, length));
     let (matrix, error) = sought(orbit, cancel)?;
     let mut known = with_errors(&matrix, error);
     known[rank..].fill((Complex::new(0.0, 0.0), 0.0));
@@ -92,6 +87,29 @@ pub fn spectrum<S: Coordinates + Clone>(
         rank,
         determinant_error: shrinkage.map(|exact| product - exact),
     })
+}
+
+/// How many numbers of a state are lost at one instant of a cycle, at the most: two of each absorber that rides, and one of another that has a
+/// plastic impact. What is lost at different instants may be the same.
+fn lost<'a>(
+    description: &Description,
+    plastic: impl Iterator<Item = &'a crate::impact::Impact>,
+    length: f64,
+) -> usize {
+    let rides = |it: &StickEpisode, time: f64| {
+        let since = (time - it.stick_time).rem_euclid(length);
+        it.release_time.is_some_and(|end| since < end - it.stick_time) || time == it.stick_time
+    };
+    let riders = |time: f64| {
+        let riding = description.episodes.iter().filter(|it| rides(it, time));
+        riding.map(|it| it.absorber).collect::<BTreeSet<_>>()
+    };
+    let by_rides = description.episodes.iter().map(|it| 2 * riders(it.stick_time).len());
+    let by_impacts = plastic.map(|it| {
+        let riders = riders(it.time);
+        2 * riders.len() + usize::from(!riders.contains(&it.absorber))
+    });
+    by_rides.chain(by_impacts).max().unwrap_or(0)
 }
 
 /// The largest first, of a pair that with the positive imaginary part first.
@@ -129,7 +147,7 @@ fn sought<S: Coordinates + Clone>(
     Ok((matrix, bound))
 }
 
-/// The derivative of the map at a point beside the orbit; `None` if that is out of the gap, or the run does not end.
+/// The derivative of the map at a point beside the orbit; `None` if that is out of the gap.
 fn slope<S: Coordinates + Clone>(
     orbit: &Orbit<S>,
     at: &DVector<f64>,
@@ -138,11 +156,7 @@ fn slope<S: Coordinates + Clone>(
 ) -> Result<Option<DMatrix<f64>>, Missed> {
     let Trajectory { system, cycle: Cycle { begin, .. }, .. } = &orbit.trajectory;
     let Some(state) = state_at(system, at, *begin) else { return Ok(None) };
-    match flown(system, (&state, *begin), length, cancel) {
-        Ok(flown) => Ok(Some(flown.derivative)),
-        Err(Missed::Invalid(invalid)) => Err(invalid.into()),
-        Err(_) => Ok(None),
-    }
+    Ok(Some(flown(system, (&state, *begin), length, cancel)?.derivative))
 }
 
 /// The eigenvalues of a matrix, largest first, each with a bound on its error from one on that of the matrix.
@@ -162,4 +176,39 @@ fn with_errors(matrix: &DMatrix<f64>, error: f64) -> Vec<Known> {
         (all[i], if first_order < any { first_order } else { any })
     };
     (0..n).map(known).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::absorber::Wall;
+
+    fn ride(absorber: u8, [stick_time, release_time]: [f64; 2]) -> StickEpisode {
+        let release_time = Some(release_time);
+        let (wall, start_time) = (Wall::Plus, stick_time);
+        StickEpisode {
+            absorber,
+            wall,
+            start_time,
+            stick_time,
+            release_time,
+            impacts: 0,
+            energy_loss: 0.0,
+        }
+    }
+
+    /// Four numbers are lost only where two absorbers ride at once, also over the end of a cycle of 10.
+    #[test]
+    fn rides_at_different_times_lose_no_more_than_one() {
+        for (rides, known) in [
+            (vec![], 0),
+            (vec![ride(0, [1.0, 2.0]), ride(0, [5.0, 6.0])], 2),
+            (vec![ride(0, [1.0, 2.0]), ride(1, [3.0, 4.0])], 2),
+            (vec![ride(0, [1.0, 3.5]), ride(1, [3.0, 4.0])], 4),
+            (vec![ride(0, [8.0, 12.0]), ride(1, [1.0, 1.5])], 4),
+        ] {
+            let description = Description { episodes: rides, ..Description::default() };
+            assert_eq!(lost(&description, std::iter::empty(), 10.0), known, "{description:?}");
+        }
+    }
 }

@@ -205,7 +205,7 @@ impl Family {
             Scene::Modal(mounted) => {
                 let given =
                     format!("{} on {} modes", scene_count, mounted.system.structure().count());
-                let rule = "orbits are those of at most four absorbers and modes, those with a spring or a dashpot counted twice";
+                let rule = "orbits are those of at most four absorbers and four modes; a mass with a spring or a dashpot and a stop count as a mode too";
                 return Err(Invalid::new("absorber", given, rule));
             }
             _ => return Err(not_periodic(&spec)),
@@ -228,7 +228,7 @@ impl Family {
 /// Checks that there is one mode.
 fn check_structure(spec: &Spec) -> Result<(), Invalid> {
     if spec.structure().is_some() {
-        let rule = "this is of an absorber on one mode; give [primary] in its place";
+        let rule = "branches, basins and exponents are those of an absorber on one mode; give [primary] in its place";
         return Err(Invalid::new("structure", "several modes", rule));
     }
     Ok(())

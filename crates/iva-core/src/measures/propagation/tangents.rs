@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{Derivative, jumps};
 use crate::absorber::Clock;
-use crate::absorber::derivatives::lists::DifferentiableList;
+use crate::absorber::derivatives::lists::{DifferentiableList, place};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
@@ -52,7 +52,16 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
         let carried = system.carried(&from.state, false);
         let size = 2 * (system.coordinates() + carried.len());
         let begun = system.is_linear().then_some(from.time);
-        *self = Self { product: DMatrix::identity(size, size), carried, begun };
+        let mut product = DMatrix::identity(size, size);
+        for k in (0..carried.len()).filter(|k| carried[*k]) {
+            // Who is carried has no rate of its own, and on a wall no place either.
+            let [y, w] = place(system.coordinates(), k);
+            product[(w, w)] = 0.0;
+            if system.approach_of(&from.state, k)[0] == 0.0 {
+                product[(y, y)] = 0.0;
+            }
+        }
+        *self = Self { product, carried, begun };
     }
 
     fn looks_within(&self) -> bool {
