@@ -87,15 +87,21 @@ fn complex(value: &Complex<f64>) -> String {
     format!("{} {sign} {}i", short(value.re, DIGITS), short(value.im.abs(), DIGITS))
 }
 
+/// So many of the marks of walls fit into a line.
+const MOST_WALLS: usize = 24;
+
 /// An orbit, for the terminal.
 fn described(found: &Found, units: UnitSystem) -> String {
     let Found { course, spectrum, .. } = found;
     let kind = if found.stable { "stable" } else { "unstable" };
     let shape = if found.symmetric { "symmetric" } else { "asymmetric" };
+    let mut walls: String = course.walls.chars().take(MOST_WALLS).collect();
+    if walls.len() < course.walls.len() {
+        walls.push('…');
+    }
     let mut out = format!(
-        "{kind}, {shape} orbit: {} impacts {} in {}\n\n",
+        "{kind}, {shape} orbit: {} impacts {walls} in {}\n\n",
         course.impacts.len(),
-        course.walls,
         measured(found.length, Quantity::Time, units)
     );
     let mut line = |name: &str, text: String| {

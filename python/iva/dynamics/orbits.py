@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: A primary system in the units of a structure with several modes.
 IN_SI = Primary(mass=1.0, stiffness=1.0)
+#: So many of the marks of walls are shown in a line.
+MOST_WALLS = 24
 #: Displacement and velocity of the primary system, gap displacement and gap velocity of each
 #: absorber.
 State = tuple[float, ...]
@@ -290,7 +292,8 @@ class Orbit:
         """Show what it is like, its multipliers, the scene and the units."""
         kind = "stable" if self.stable else "unstable"
         shape = "symmetric" if self.symmetric else "asymmetric"
-        count = f"{len(self.impacts)} impacts {self.walls}"
+        walls = self.walls if len(self.walls) <= MOST_WALLS else f"{self.walls[:MOST_WALLS]}…"
+        count = f"{len(self.impacts)} impacts {walls}"
         span = "a period" if self.periods == 1 else f"{self.periods} periods"
         if self.least_periods < self.periods:
             span += f" ({self.least_periods} repeated)"
