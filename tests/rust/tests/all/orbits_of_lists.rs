@@ -81,7 +81,7 @@ fn system(kind: usize, rng: &mut Rng) -> (System, f64) {
     let system = system.with_pendulums(&pendulums).unwrap().with_ties(&ties).unwrap();
     let system = system.with_gravity(&vec![0.0; count]).unwrap();
     let system = system.with_friction(&of_second(0.1, "friction")).unwrap();
-    let system = system.with_static_friction(&of_second(0.1, "friction")).unwrap();
+    let system = system.with_static_friction(&of_second(0.16, "friction")).unwrap();
     (system.under(Force::harmonic(vec![harmonic]).unwrap(), seen).unwrap(), TAU / frequency)
 }
 
