@@ -172,7 +172,7 @@ class Part:
     # Of the study file; without annotations, so that they are no fields.
     _part = ""
     _words: tuple[str, ...] = ()
-    # Fields that may be lists, with a number for each of several absorbers.
+    # Fields that may be lists, with a number for each of several absorbers or units.
     _of_each: tuple[str, ...] = ()
     # Fields that are tables, each of points that are pairs of numbers.
     _tables: tuple[str, ...] = ()
@@ -223,7 +223,7 @@ def checked(part: Part) -> None:
     for name, values in fields_given.items():
         if isinstance(values, tuple):
             if not values:
-                rule = "give a number, or a list with one for each absorber"
+                rule = "give a number, or a list with one for each absorber or unit"
                 raise ValueError(f"{part._part}.{name} = []: {rule}")
             for place, value in enumerate(values):
                 try:
@@ -387,7 +387,8 @@ class Siva(Part):
         Tables number them in their column ``absorber``.
     clearance_spread : float, optional
         How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
-        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike move as one.
+        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike that start alike
+        move as one.
     friction : float, optional
         Coefficient k ≥ 0 of Coulomb friction between the mass and its way, 0 by default: its slides
         are decelerated by k g cos α, and it is held where that is enough.
@@ -616,7 +617,8 @@ class Piva(Part):
         default. Tables number them in their column ``absorber``.
     clearance_spread : float, optional
         How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
-        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike move as one.
+        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike that start alike
+        move as one.
     frequency_ratio : float, optional
         r = ωp/ωn > 0, frequency of the hanging pendulum over that of the bare primary system.
     length : float, optional
@@ -731,8 +733,9 @@ def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
 class Start(Part):
     """The state at the begin of a run; what is not given is 0.
 
-    :meth:`Run.state_at` gives that of another run, to go on from. Of several absorbers each has its
-    own gap displacement and gap velocity: a number is that of all, a list has one for each.
+    :meth:`Run.state_at` gives that of another run, to go on from. Each absorber, and each of its
+    units, has its own place and velocity in its gap: a number is that of all, a list has one for
+    each absorber, or one for each unit of the first absorber, then of the second, and so on.
 
     Parameters
     ----------
@@ -753,9 +756,9 @@ class Start(Part):
         0, and where the line of motion rises the lower stop.
     gap_velocity : float or sequence of float, optional
         Absorber velocity minus primary velocity.
-    angle : float, optional
+    angle : float or sequence of float, optional
         Angle of a pendulum from hanging in rad, −π to π, instead of `gap_displacement`.
-    angular_velocity : float, optional
+    angular_velocity : float or sequence of float, optional
         Angular velocity of a pendulum, instead of `gap_velocity`.
     time : float, optional
         Instant at which the run begins, 0 or later: forces, base and records are where they stand
@@ -787,7 +790,7 @@ class Start(Part):
     """
 
     _part = "start"
-    _of_each = ("gap_displacement", "gap_velocity")
+    _of_each = ("gap_displacement", "gap_velocity", "angle", "angular_velocity")
     _of_modes = ("displacements", "velocities")
 
     displacement: float | None = None
@@ -797,8 +800,8 @@ class Start(Part):
     impulse_velocity: float | None = None
     gap_displacement: float | Sequence[float] | None = None
     gap_velocity: float | Sequence[float] | None = None
-    angle: float | None = None
-    angular_velocity: float | None = None
+    angle: float | Sequence[float] | None = None
+    angular_velocity: float | Sequence[float] | None = None
     time: float | None = None
     reference: float | None = None
     # Any: else a dict of numbers would be no arguments of a start.
@@ -811,9 +814,9 @@ def spec(
 ) -> Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``.
 
-    A table is the tuple of its pairs. A part that is ``None`` stands for no absorber. Fields of
-    several absorbers have the number of theirs, as in ``"absorber.1.mass"`` and
-    ``"start.1.gap_velocity"``.
+    A table is the tuple of its pairs, a list of the start that of its numbers. A part that is
+    ``None`` stands for no absorber. Fields of several absorbers have the number of theirs, as in
+    ``"absorber.1.mass"``.
     """
     fields_given: Spec = {}
     for part in parts:
@@ -838,10 +841,4 @@ def add(fields_given: Spec, part: Part | None, place: str) -> None:
         assert part is not None
         if name in part._of_modes:
             continue
-        if isinstance(value, tuple) and name not in part._tables:
-            for number_, one in enumerate(value):
-                # Of one absorber fields have no number.
-                own = f"{number_}." if len(value) > 1 else ""
-                fields_given[f"{part._part}.{own}{name}"] = one
-        else:
-            fields_given[f"{part._part}.{place}{name}"] = value
+        fields_given[f"{part._part}.{place}{name}"] = value

@@ -44,7 +44,7 @@ def scene(
     TypeError
         If a part is of the wrong class, or a setting of the run is not a number.
     ValueError
-        If a list of the start does not have a number for each absorber.
+        If a list of absorbers is empty, or a start has modes where there are none.
     """
     if not several or not isinstance(absorber, (list, tuple)):
         if absorber is not None and not isinstance(absorber, Absorber):
@@ -56,7 +56,6 @@ def scene(
         raise TypeError(f"primary = {shown(primary)}: {rule}")
     if not isinstance(start, Start):
         raise TypeError(f"start = {shown(start)}: give an iva.Start")
-    checked_lists(absorber, start)
     for name in start._of_modes if isinstance(primary, Primary) else ():
         if (all_ := getattr(start, name)) is not None:
             rule = "an iva.Structure has several modes; give displacement and velocity"
@@ -68,11 +67,6 @@ def scene(
         made["structure"] = primary._entries() | own
     else:
         made = spec(absorber, primary, start, run=run)
-    if isinstance(absorber, (list, tuple)):
-        # A stop on the ground has no place of its own: the structure is where its gap tells.
-        stops = (place for place, one in enumerate(absorber) if isinstance(one, Stop))
-        for path in [f"start.{place}.{name}" for place in stops for name in start._of_each]:
-            made.pop(path, None)
     if forces := [fields_of(force) for force in listed(force)]:
         made["forces"] = forces
     return made
@@ -125,45 +119,17 @@ def fits(absorbers: Sequence[object]) -> None:
             raise TypeError(f"absorber[{place}] = {shown(one)}: {rule}")
 
 
-def checked_lists(absorber: object, start: Start) -> None:
-    """Look at the lists of a start, which have a number for each of several absorbers.
-
-    Raises
-    ------
-    ValueError
-        If one has more or fewer.
-    """
-    count = len(absorber) if isinstance(absorber, (list, tuple)) else 1
-    for name in start._of_each:
-        values = getattr(start, name)
-        none = absorber is None
-        if not isinstance(values, tuple) or (len(values) == count and not none):
-            continue
-        if count > 1:
-            rule = f"give a number, or a list of {count}, one for each absorber"
-        elif none:
-            rule = "there is no absorber; leave it out"
-        else:
-            rule = "there is one absorber, so give one number"
-        raise ValueError(f"start.{name} = {shown(list(values))}: {rule}")
-
-
 def parts(made: Spec) -> dict[str, Any]:
     """Return a spec as the arguments of :func:`iva.simulate` that make it."""
     given: dict[str, dict[str, Any]] = {"absorber": {}, "primary": {}, "start": {}, "run": {}}
     several: dict[int, dict[str, Any]] = {}
-    starts: dict[str, dict[int, float]] = {}
     for path, value in made.items():
         part, dot, name = path.partition(".")
         place, numbered, field = name.partition(".")
-        if numbered and part == "absorber":
+        if numbered:
             several.setdefault(int(place), {})[field] = value
-        elif numbered:
-            starts.setdefault(field, {})[int(place)] = value
         elif dot:
             given[part][name] = value
-    for field, values in starts.items():
-        given["start"][field] = [values.get(place, 0.0) for place in range(len(several))]
     listed_absorbers = [absorber_of(several[place]) for place in sorted(several)]
     forces = [force_of(fields) for fields in made.get("forces", ())]
     drives = {"force": forces[0] if len(forces) == 1 else forces} if forces else {}

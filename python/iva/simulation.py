@@ -11,7 +11,7 @@ from iva.forces import Force, Impulse, listed
 from iva.frames import Frames, from_arrow, to_polars
 from iva.parameters import Absorber, Primary, Start, Stop, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
-from iva.scenes import absorbers, scene
+from iva.scenes import scene
 from iva.spelling import spell_checked
 from iva.structures import Structure
 from iva.units import Units, from_metadata
@@ -249,7 +249,7 @@ class Run(RunTables):
         TypeError
             If `time` is not a number.
         ValueError
-            If it is outside the run, or after its early end, or if an absorber has several units.
+            If it is outside the run, or after its early end.
 
         Examples
         --------
@@ -262,9 +262,6 @@ class Run(RunTables):
         12.5
         """
         at = number("time", time)
-        if _iva.design(self._spec)["absorbers"] > len(absorbers(self.absorber)):
-            rule = "a Start has one place for all units of an absorber"
-            raise ValueError(f"state_at: {rule}; give them as a list of absorbers")
         begin = self.start.time or 0.0
         blows = (force.time or 0.0 for force in listed(self.force) if isinstance(force, Impulse))
         shock = self.start.impulse is not None or self.start.impulse_velocity is not None
@@ -555,7 +552,7 @@ def state_of(
     start: Start,
     modes: Sequence[Sequence[float]] | None = None,
 ) -> Start:
-    """Return the state of some rows of a trajectory, one an absorber, in a run from a start.
+    """Return the state of some rows of a trajectory, one a unit, in a run from a start.
 
     Of a structure with several modes these have a state of their own.
     """
@@ -569,8 +566,8 @@ def state_of(
         kept = {name: row[name] for name in ("time", "displacement", "velocity")}
     else:
         kept = {"time": row["time"], **dict(zip(start._of_modes, modes, strict=True))}
-    angle = row["angle"]
-    if len(rows) == 1 and angle is not None and math.cos(angle) < STEEP:
+    angles = [one["angle"] for one in rows]
+    if None not in angles and any(math.cos(angle) < STEEP for angle in angles):
         place = ("angle", "angular_velocity")
     else:
         place = ("gap_displacement", "gap_velocity")

@@ -173,16 +173,73 @@ def test_attractors_are_what_runs_settle_on(name: str) -> None:
         dynamics.attractors(absorber, primary, force=force, starts=2, box=box)
 
 
+def units(count: int = 2, spread: float = 0.0) -> iva.Siva:
+    """Return a mass in units."""
+    return iva.Siva(
+        mass_ratio=0.1, restitution=0.6, clearance=0.5, units=count, clearance_spread=spread
+    )
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.25])
+def test_the_orbit_of_units_is_that_of_the_list(spread: float) -> None:
+    """Two masses of half the mass in gaps of 1 ∓ spread times the clearance, to the bit."""
+    half = {"mass_ratio": 0.05, "restitution": 0.6}
+    written = [iva.Siva(**half, clearance=0.5 * (1 + by * spread)) for by in (-1, 1)]
+    start = iva.Start(gap_displacement=[0.1, -0.2], gap_velocity=[0.1, 0.2])
+    asked: dict[str, Any] = {"force": FORCE, "settle": 400, "verify": True}
+    for periods in (1, 2, 3, 4):
+        one, other = (
+            orbit(absorber, PRIMARY, start=start, periods=periods, **asked)
+            for absorber in (units(spread=spread), written)
+        )
+        if one:
+            break
+    assert one
+    assert other
+    assert one.start == other.start
+    begin: Any = one.start
+    assert len(begin.gap_displacement) == 2
+    assert one.state == other.state
+    assert one.impacts == other.impacts
+    assert one.multipliers == other.multipliers
+    assert len(one.multipliers) == 6
+    assert one.residual < 1e-18
+    again = orbit(one.absorber, PRIMARY, force=FORCE, start=one.run(), periods=one.periods)
+    assert again
+    assert again.amplitude == pytest.approx(one.amplitude, rel=1e-9)
+
+
+def test_the_attractors_of_units_are_those_of_the_list() -> None:
+    """From the same starts; one of the absorbers has two units."""
+    divided = iva.Siva(
+        mass_ratio=0.06, restitution=0.5, clearance=0.6, units=2, clearance_spread=0.2
+    )
+    written = [iva.Siva(mass_ratio=0.03, restitution=0.5, clearance=0.6 * by) for by in (0.8, 1.2)]
+    one, other = (
+        dynamics.attractors(absorbers, PRIMARY, force=FORCE, starts=6, most_periods=4)
+        for absorbers in ([MASS, divided], [MASS, *written])
+    )
+    assert one.attractors
+    assert one.counts() == other.counts()
+    assert len(one.box) == 8
+    for found, expected in zip(one.attractors, other.attractors, strict=True):
+        assert found.orbit.state == pytest.approx(expected.orbit.state, rel=1e-9, abs=1e-12)
+        begin: Any = found.orbit.start
+        assert len(begin.gap_velocity) == 3
+
+
 def test_what_orbits_of_lists_do_not_take() -> None:
     start = iva.Start(gap_velocity=0.1)
     masses: Any = [MASS] * 5
     with pytest.raises(ValueError, match="at most four absorbers"):
         orbit(masses, PRIMARY, force=FORCE, start=start)
-    units = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.5, units=2)
-    with pytest.raises(ValueError, match="give the units as a list"):
-        orbit(units, PRIMARY, force=FORCE, start=start)
-    with pytest.raises(ValueError, match=r"give an iva\.Start"):
-        orbit([MASS, LIGHT], PRIMARY, force=FORCE, start=(0, 0, 0, 0.1))
+    with pytest.raises(ValueError, match=r"5 on 1 modes.*at most four absorbers or units"):
+        orbit(units(count=5), PRIMARY, force=FORCE, start=start)
+    for absorber in ([MASS, LIGHT], units(spread=0.1)):
+        with pytest.raises(ValueError, match=r"give an iva\.Start"):
+            orbit(absorber, PRIMARY, force=FORCE, start=(0, 0, 0, 0.1))
+    with pytest.raises(ValueError, match="absorber = 2 in all: give one absorber"):
+        dynamics.diagram(units(spread=0.1), PRIMARY, force=FORCE, over={"restitution": [0.5, 0.6]})
     still = orbit(
         [MASS, LIGHT], PRIMARY, force=iva.Harmonic(amplitude=1e-6, frequency=3.0), start=start
     )

@@ -63,6 +63,21 @@ CALLS: dict[str, tuple[Callable[[], object], type[Exception], tuple[str, ...]]] 
         ValueError,
         ("start.gap_displacement",),
     ),
+    "places of units": (
+        lambda: simulate(replace(SIVA, units=3), gap_displacement=[0.1, 0.1]),
+        ValueError,
+        ("start.gap_displacement = [0.1, 0.1]", "a list of 3, one for each unit"),
+    ),
+    "places of units in a list": (
+        lambda: simulate([replace(SIVA, units=3), NARROW], gap_velocity=[0.1] * 3),
+        ValueError,
+        ("a list of 2, one for each absorber, or of 4, one for each unit",),
+    ),
+    "a unit outside of its gap": (
+        lambda: simulate(replace(SIVA, units=2), gap_displacement=[0.1, 9.0]),
+        ValueError,
+        ("start.0.1.gap_displacement = 9", "in the gap"),
+    ),
     "places of one": (
         lambda: simulate(SIVA, gap_displacement=[0.1, 0.2]),
         ValueError,

@@ -378,10 +378,62 @@ def test_an_early_end_has_no_later_state() -> None:
         run.state_at(20.0)
 
 
-def test_units_have_no_state_that_a_start_could_have() -> None:
-    siva = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5, units=2, clearance_spread=0.1)
-    start = iva.Start(displacement=1.0)
-    for absorber in (siva, [siva, iva.Siva(mass_ratio=0.1, clearance=0.4, restitution=0.5)]):
-        run = iva.simulate(absorber, iva.Primary(), start=start, periods=2)
-        with pytest.raises(ValueError, match="one place for all units of an absorber; give them"):
-            run.state_at(3.0)
+DIVIDED: dict[str, Any] = {
+    "siva": iva.Siva(**SIVA, units=3, clearance_spread=0.2),
+    "list": [
+        iva.Siva(**SIVA | {"clearance": 0.45}),
+        iva.Siva(**SIVA, units=2, clearance_spread=0.3),
+    ],
+    "upright": iva.Siva(**STICKY, units=2, clearance_spread=0.5, inclination_deg=90, gravity=0.2),
+    "pendulum": iva.Piva(**PIVA, units=2, clearance_spread=0.2),
+}
+
+
+@pytest.mark.parametrize("time", [2.0, 7.3])
+@pytest.mark.parametrize("name", DIVIDED)
+def test_units_go_on(name: str, time: float) -> None:
+    """Each from its own place: the impacts of the run that was not cut, to its condition."""
+    given: dict[str, Any] = {"start": iva.Start(displacement=1.0), "duration": 12.0}
+    run = simulate(DIVIDED[name], FORCE, **given, errors=True)
+    state: Any = run.state_at(time)
+    rows = run.at([time])
+    assert rows.height == len(state.gap_displacement) == len(state.gap_velocity) > 1
+    assert state.gap_displacement == tuple(rows["gap_displacement"])
+    assert len(set(state.gap_displacement)) > 1
+    found = simulate(DIVIDED[name], FORCE, state, duration=12.0 - time)
+    lost = 64.0 * EPS * (run.summary["condition"].item() + 12.0)
+    assert lost < 1e-6
+    # Impacts below the floor of a chatter are listed or not by their speed.
+    kept = pl.col("time").is_between(time, 11.9) & (pl.col("approach_velocity").abs() > 1e-4)
+    seen, expected = (of.impacts.filter(kept).drop("point", "impact") for of in (found, run))
+    assert expected.height > 3
+    assert seen["absorber"].to_list() == expected["absorber"].to_list()
+    for column in ("time", "velocity_after", "approach_velocity"):
+        assert seen[column].to_numpy() == pytest.approx(expected[column].to_numpy(), abs=lost)
+
+
+def test_a_sweep_begins_with_the_units_of_a_state() -> None:
+    """Points have the bits of runs; a swept number of units has no such list."""
+    units = DIVIDED["siva"]
+    given: dict[str, Any] = {"start": simulate(units, None).state_at(5.0), "duration": 6.0}
+    primary = iva.Primary(damping_ratio=0.03)
+    table = iva.sweep(
+        units, primary, over={"restitution": [0.7, 0.8]}, tables=("summary", "impacts"), **given
+    )
+    alone = simulate(units, None, **given)
+    rows = table.impacts.filter(point=0).drop("point", "restitution", strict=False)
+    assert bits(rows) == bits(alone.impacts.drop("point"))
+    assert pickle.loads(pickle.dumps(alone)) == alone
+    with pytest.raises(ValueError, match="a number for each unit; give one for all units"):
+        iva.sweep(units, primary, over={"units": [2, 3]}, **given)
+
+
+def test_pendulums_in_units_that_swing_far_are_told_by_their_angles() -> None:
+    absorber = iva.Piva(**PIVA | {"clearance": 1.95}, units=2, clearance_spread=0.02)
+    start = iva.Start(displacement=1.0, angle=[1.2, -1.0], angular_velocity=0.1)
+    run = simulate(absorber, None, start, duration=9.0)
+    state: Any = run.state_at(0.2)
+    assert (len(state.angle), state.gap_displacement) == (2, None)
+    found = simulate(absorber, None, state, duration=8.8)
+    angles = [of.at([8.9])["angle"].to_list() for of in (found, run)]
+    assert angles[0] == pytest.approx(angles[1], abs=1e-12)

@@ -7,15 +7,10 @@ use iva_sweep::structure::Entry;
 
 /// A sentence on each start velocity that absorbers share, as `print(run)` of the Python package has it.
 pub(crate) fn carried_along(spec: &Spec) -> Vec<String> {
-    let absorbers = (0..spec.count())
-        .filter(|it| !matches!(spec.choices_of(*it).kind, Kind::Stop | Kind::None));
+    let stands = |it: &usize| matches!(spec.choices_of(*it).kind, Kind::Stop | Kind::None);
+    let count = (0..spec.count()).filter(|it| !stands(it)).count();
     let of_its_own = [FieldId::GapVelocity, FieldId::AngularVelocity];
-    let (mut count, mut is_given) = (0, false);
-    for absorber in absorbers {
-        count += 1;
-        is_given |= of_its_own.iter().any(|field| spec.get_of(absorber, *field).is_some());
-    }
-    if count == 0 || is_given {
+    if count == 0 || spec.given().any(|(slot, _)| of_its_own.contains(&slot.field)) {
         return Vec::new();
     }
     let (who, which) = match count {

@@ -25,7 +25,8 @@ use crate::errors::invalid;
 use crate::record::PyRecord;
 
 /// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
-/// absorber comes before the other choices), or the list of points of a table of the restitution; under `"forces"` it has the list of forces, under `"structure"` the entries of
+/// absorber comes before the other choices), or the list of points of a table of the restitution, or in the start a list with a number for
+/// each absorber or unit; under `"forces"` it has the list of forces, under `"structure"` the entries of
 /// a structure with several modes. The fields of several absorbers are `"part.number.field"`.
 ///
 /// # Errors
@@ -48,6 +49,7 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
     if let Some(entries) = fields.get_item(SECTION)? {
         spec = spec.with_structure(Arc::new(structure(&entries.cast_into::<PyDict>()?)?));
     }
+    let mut lists = Vec::new();
     for (path, value) in fields {
         let path: String = path.extract()?;
         if path == FORCES || path == SECTION || value.is_instance_of::<PyString>() {
@@ -58,7 +60,15 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
             spec.set_restitution_table(absorber, &points).map_err(invalid)?;
             continue;
         }
-        spec.set(slot(&path).map_err(invalid)?, value.extract()?).map_err(invalid)?;
+        let slot = slot(&path).map_err(invalid)?;
+        match value.extract::<f64>() {
+            Ok(number) => spec.set(slot, number).map_err(invalid)?,
+            Err(_) => lists.push((slot.field, value.extract::<Vec<f64>>()?)),
+        }
+    }
+    // The units of the absorbers are known now.
+    for (field, numbers) in lists {
+        spec.set_starts(field, &numbers).map_err(invalid)?;
     }
     if let Some(list) = fields.get_item(FORCES)? {
         forces(&list.extract::<Vec<Bound<'_, PyDict>>>()?, &mut spec)?;

@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::arguments::{FORCES, RECORD};
 use crate::record::PyRecord;
 
-/// A dict `"part.field"` → number, word or the list of points of a table of the restitution, under `"forces"` the list of
+/// A dict `"part.field"` → number, word, the list of points of a table of the restitution or a list of the start, under `"forces"` the list of
 /// forces, and under `"structure"` the entries of a structure with several modes.
 pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDict>> {
     let scene = PyDict::new(py);
@@ -59,6 +59,9 @@ pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDic
         match slot.info().part {
             Part::Force => {
                 forces.get_item(slot.number.unwrap_or(0))?.set_item(slot.info().name, value)?;
+            }
+            _ if slot.info().part == Part::Start && slot.number.is_some() => {
+                scene.set_item(slot.field.path(), spec.starts(slot.field))?;
             }
             _ => scene.set_item(slot.path(), value)?,
         }

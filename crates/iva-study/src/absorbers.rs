@@ -152,7 +152,7 @@ fn read_table(
     })
 }
 
-/// Reads a field of `[start]` that is given as a list with a number for each absorber.
+/// Reads a field of `[start]` that is given as a list with a number for each absorber, or for each unit.
 ///
 /// # Errors
 /// For a list of another length, and at an invalid number.
@@ -163,16 +163,10 @@ pub(crate) fn read_starts(
     (value, items): (&Value<'_>, &[Value<'_>]),
     spec: &mut Spec,
 ) -> Result<(), Error> {
-    let count = spec.count();
-    if items.len() != count {
-        let rule = match count {
-            1 => "there is one absorber, so give one number".to_owned(),
-            _ => format!("give a number, or a list of {count}, one for each absorber"),
-        };
-        return Err(source.bad_value(&field.path(), value.span(), &rule));
-    }
-    for (absorber, item) in items.iter().enumerate() {
-        let slot = Slot::of_absorber(field, absorber, count);
+    let slots = spec.start_slots(field, items.len());
+    let slots = slots.map_err(|rule| source.bad_value(&field.path(), value.span(), &rule))?;
+    for (slot, item) in slots.into_iter().zip(items) {
+        let Some(slot) = slot else { continue };
         let number = number(source, &slot.path(), item, field.info().allowed)?;
         spec.set(slot, number).map_err(|invalid| at(source, item.span(), &invalid))?;
         source.note(slot.path(), key.span().start..value.span().end);

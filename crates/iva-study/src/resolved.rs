@@ -154,15 +154,13 @@ fn write_absorbers(text: &mut String, spec: &Spec) {
     }
 }
 
-/// Writes what each of several absorbers has of its own in the start, as lists. What an axis sets for one of them has a 0.
+/// Writes what each of several absorbers or units has of its own in the start, as lists. What an axis sets for one of them has a 0.
 fn write_starts(text: &mut String, spec: &Spec) {
-    let count = spec.count();
     let listed = FieldId::all().filter(|field| field.info().part == Part::Start);
-    for field in listed.filter(|field| count > 1 && field.of_absorber()) {
-        let all: Vec<Option<f64>> = (0..count).map(|k| spec.get_of(k, field)).collect();
-        if all.iter().any(Option::is_some) {
-            let all = all.into_iter().map(|value| literal(field, value.unwrap_or(0.0)));
-            let list: Vec<String> = all.collect();
+    for field in listed.filter(|field| field.of_absorber()) {
+        let starts = spec.starts(field).into_iter().map(|value| literal(field, value));
+        let list: Vec<String> = starts.collect();
+        if !list.is_empty() {
             let _ = writeln!(text, "{} = [{}]", field.info().name, list.join(", "));
         }
     }

@@ -223,7 +223,7 @@ const fn or_all(kinds: &'static [Kind]) -> &'static [Kind] {
 macro_rules! fields {
     ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal $($kind:ident)*;)*) => {
         /// Index of a field in [`FIELDS`].
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[allow(missing_docs)] // each is described by its `help`
         pub enum FieldId { $($id),* }
 

@@ -7,7 +7,7 @@ use iva_core::error::Invalid;
 
 use crate::axis::Axis;
 use crate::cube::{Cube, CubeError, Method};
-use crate::fields::Part;
+use crate::fields::{FieldId, Part};
 use crate::slot::Slot;
 use crate::spec::Spec;
 use crate::variable::Variable;
@@ -275,7 +275,7 @@ impl Sampling {
     }
 
     /// Checks that no two axes sweep the same quantity, because the later one would replace the earlier one,
-    /// and that an absorber has the swept fields.
+    /// that an absorber has the swept fields, and that no list of the start has a number for each of a swept number of units.
     ///
     /// # Errors
     /// [`Invalid`] naming the axis, the later of two.
@@ -292,6 +292,10 @@ impl Sampling {
         for swept in self.keys() {
             if swept.slot.info().part != Part::Force {
                 spec.check(swept.slot).map_err(|rule| swept.refused(rule))?;
+            }
+            if swept.slot.field == FieldId::Units && spec.starts_units() {
+                let rule = "the start has a number for each unit; give one for all units";
+                return Err(swept.refused(rule.to_owned()));
             }
         }
         Ok(())

@@ -12,18 +12,25 @@ pub struct Slot {
     /// Number of the force or of the absorber in a list; `None` for all other parts, for a single force, and for an
     /// absorber that is alone or for all of several.
     pub number: Option<usize>,
+    /// Number of the unit of that absorber whose start it is; `None` for all its units, and for all other fields.
+    pub unit: Option<usize>,
 }
 
 impl From<FieldId> for Slot {
     fn from(field: FieldId) -> Self {
-        Self { field, number: None }
+        Self { field, number: None, unit: None }
     }
 }
 
 impl Slot {
     /// A field of the force with this number, of so many.
     pub fn of_force(field: FieldId, number: usize, count: usize) -> Self {
-        Self { field, number: (count > 1).then_some(number) }
+        Self { number: (count > 1).then_some(number), ..field.into() }
+    }
+
+    /// A field of the start of one unit of the absorber with this number.
+    pub fn of_unit(field: FieldId, absorber: usize, unit: usize) -> Self {
+        Self { field, number: Some(absorber), unit: Some(unit) }
     }
 
     /// A field of the absorber with this number, of so many.
@@ -42,7 +49,7 @@ impl Slot {
         };
         let listed = |field: &FieldId| part == Part::Force || field.of_absorber();
         match FieldId::find(part, name).filter(listed) {
-            Some(field) => Ok(Self { field, number: Some(number) }),
+            Some(field) => Ok(Self { number: Some(number), ..field.into() }),
             None => {
                 let of = if part == Part::Force { "a force" } else { "an absorber" };
                 let known = FieldId::all().filter(|id| id.info().part == part && listed(id));
@@ -60,22 +67,25 @@ impl Slot {
         self.field.info()
     }
 
-    /// `part.name`, with the number in a list between them, as error messages and study files write it.
+    /// `part.name`, with the number in a list between them, and that of a unit, as error messages and study files write it.
     pub fn path(self) -> String {
-        match self.number {
-            Some(number) => format!("{}.{number}.{}", self.info().part.name(), self.info().name),
-            None => self.field.path(),
+        let (part, name) = (self.info().part.name(), self.info().name);
+        match (self.number, self.unit) {
+            (Some(number), Some(unit)) => format!("{part}.{number}.{unit}.{name}"),
+            (Some(number), None) => format!("{part}.{number}.{name}"),
+            _ => self.field.path(),
         }
     }
 
-    /// True if two slots set the same quantity, of the same force or absorber if it is one of these.
+    /// True if two slots set the same quantity, of the same force, absorber or unit if it is one of these.
     pub fn same_quantity(self, other: Slot) -> bool {
         if !self.field.same_quantity(other.field) {
             return false;
         }
         match (self.number, other.number) {
             (None, _) | (_, None) if self.field.of_absorber() => true,
-            (one, other) => one.unwrap_or(0) == other.unwrap_or(0),
+            (one, other) if one.unwrap_or(0) != other.unwrap_or(0) => false,
+            _ => self.unit.is_none() || other.unit.is_none() || self.unit == other.unit,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The fields of one run as a user gives them.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::choices::{Choices, Kind, only};
@@ -14,6 +15,8 @@ use crate::structure::Structure;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
 use iva_core::absorber::modal;
 
+mod units;
+
 /// The fields of one run as given; all others have defaults or follow from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
@@ -25,6 +28,8 @@ pub struct Spec {
     forces: Vec<ForceSpec>,
     /// The absorbers after the first.
     more: Vec<AbsorberSpec>,
+    /// What units have of their own in the start, by field, number of the absorber and number of the unit.
+    of_units: BTreeMap<(FieldId, usize, usize), f64>,
     /// The structure with several modes that takes the place of the primary, if one is given.
     structure: Option<Arc<Structure>>,
 }
@@ -61,8 +66,15 @@ impl Default for Spec {
 impl Spec {
     /// A spec without fields.
     pub fn new(choices: Choices) -> Self {
-        let (forces, more) = (Vec::new(), Vec::new());
-        Self { choices, values: [None; FIELD_COUNT], table: None, forces, more, structure: None }
+        Self {
+            choices,
+            values: [None; FIELD_COUNT],
+            table: None,
+            forces: Vec::new(),
+            more: Vec::new(),
+            of_units: BTreeMap::new(),
+            structure: None,
+        }
     }
 
     /// A spec of several absorbers without fields.
@@ -160,16 +172,6 @@ impl Spec {
         1 + self.more.len()
     }
 
-    /// The number of the absorber of the list that each absorber of the scene is a unit of.
-    pub fn owners(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.count()).flat_map(|k| std::iter::repeat_n(k, self.units_of(k)))
-    }
-
-    /// Number of equal units of the absorber of this number.
-    pub(crate) fn units_of(&self, absorber: usize) -> usize {
-        self.get_of(absorber, FieldId::Units).map_or(1, |units| units as usize)
-    }
-
     /// Kind of absorber, and model of a pendulum; of several those of the first.
     pub fn choices(&self) -> &Choices {
         &self.choices
@@ -261,7 +263,11 @@ impl Spec {
     /// Puts a value of a field that is not of a force, for each absorber that a slot is about.
     fn put(&mut self, slot: Slot, value: Option<f64>) {
         let kinds = slot.info().kinds;
+        if let (Some(absorber), Some(unit)) = (slot.number, slot.unit) {
+            return self.put_of_unit(slot.field, (absorber, unit), value);
+        }
         for absorber in self.reached(slot) {
+            self.of_units.retain(|(field, owner, _), _| (*field, *owner) != (slot.field, absorber));
             if value.is_some() && !kinds.contains(&self.choices_of(absorber).kind) {
                 continue;
             }
@@ -340,11 +346,15 @@ impl Spec {
             let absorbers = if id.of_absorber() { self.count() } else { 1 };
             (0..absorbers).filter_map(move |k| Some((self.slot(id, k), self.get_of(k, id)?)))
         });
+        let of_units = self.of_units.iter();
+        let of_units = of_units.map(|(&(field, absorber, unit), value)| {
+            (Slot::of_unit(field, absorber, unit), *value)
+        });
         let count = self.forces.len();
         let of_forces = self.forces.iter().enumerate().flat_map(move |(number, force)| {
             force.given().map(move |(id, value)| (Slot::of_force(id, number, count), value))
         });
-        plain.chain(of_forces)
+        plain.chain(of_units).chain(of_forces)
     }
 
     /// Checks that no quantity is given twice, even if an axis replaces it.
@@ -397,18 +407,5 @@ impl Spec {
     /// As [`Given::design`].
     pub fn design(&self) -> Result<Design, Invalid> {
         Given::new(self).design()
-    }
-
-    pub(crate) fn at_most_one(&self, absorber: usize, fields: &[FieldId]) -> Result<(), Invalid> {
-        let mut given = fields.iter().filter(|id| self.get_of(absorber, **id).is_some());
-        let path = |field: FieldId| self.slot(field, absorber).path();
-        match (given.next(), given.next()) {
-            (Some(first), Some(second)) => Err(Invalid::new(
-                path(*second),
-                self.get_of(absorber, *second).map_or(String::new(), number),
-                format!("{} is given as well; give one of them", path(*first)),
-            )),
-            _ => Ok(()),
-        }
     }
 }

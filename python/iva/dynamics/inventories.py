@@ -95,7 +95,7 @@ class Attractors:
         finished first, so that the shares of a call that was cut lean towards their orbits.
     box : tuple of pairs of float, length 4 or more
         The box that they fill: displacement, velocity, gap displacement and gap velocity, of
-        several absorbers the latter two of each.
+        several absorbers or units the latter two of each.
 
     Examples
     --------
@@ -233,8 +233,8 @@ def attractors(
     most_cycles : int, default 3000
         Most periods that are run from each start.
     box : mapping of str to pair of float, optional
-        The box, as for :func:`lyapunov`. Of several absorbers the usual one is drawn from: all
-        gaps, and of a structure the motion of its natural mode.
+        The box, as for :func:`lyapunov`. Of several absorbers or units the usual one is drawn
+        from: all gaps, and of a structure the motion of its natural mode.
     progress : bool or callable, default False
         As in :func:`iva.sweep`; a point is a start.
 

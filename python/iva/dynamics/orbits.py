@@ -53,7 +53,7 @@ class Impact:
     energy_loss : float
         Energy lost in the impact.
     absorber : int
-        The number of its absorber in a list, from 0.
+        The number of its absorber or unit, from 0, in the order of the list.
     """
 
     time: float
@@ -88,7 +88,7 @@ class Episode:
     energy_loss : float
         Energy lost in all its impacts, listed or summed.
     absorber : int
-        The number of its absorber in a list, from 0.
+        The number of its absorber or unit, from 0, in the order of the list.
     """
 
     wall: int
@@ -127,7 +127,7 @@ class Orbit:
         Time of `periods` periods of the force: the length of its cycle.
     state : tuple of float, length 4 or more
         Displacement and velocity of the primary system, gap displacement and gap velocity at the
-        instant of `start`; of several absorbers the latter two of each.
+        instant of `start`; of several absorbers or units the latter two of each.
     start : Start
         State from which a run stays on the orbit, at the phase of the force of the start that the
         orbit was sought from. The run drifts away in time from an orbit that is not stable.
@@ -137,7 +137,7 @@ class Orbit:
         Its stick episodes, in order of the begin of their ride.
     walls : str
         The walls in order of time: ``+`` or ``-`` for an impact, ``(+)`` or ``(-)`` for a stick
-        episode with all its impacts; of several absorbers each with the number of its own before
+        episode with all its impacts; of several absorbers or units each with its number before
         it, as in ``0+1+0-1-``.
     walls_of_start : str
         The same of the run from the start of the search, over one cycle. Where the two differ,

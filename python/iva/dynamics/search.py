@@ -45,8 +45,8 @@ def orbit(
     Parameters
     ----------
     absorber : Siva, Piva, Stop, or a list of them
-        A free mass, a pendulum, or a stop on the ground; or up to four on up to four modes, among
-        which masses with a spring or a dashpot and stops count as well.
+        A free mass, a pendulum, or a stop on the ground; or up to four of them, or of their units,
+        on up to four modes, among which masses with a spring or a dashpot and stops count as well.
     primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
@@ -196,7 +196,8 @@ def start_of(start: object, absorber: object) -> Start:
     if isinstance(start, Iterable) and not isinstance(start, str):
         values = numbers("start", start)
         if several(absorber):
-            raise ValueError("start: of several absorbers give an iva.Start, a run or an orbit")
+            rule = "of several absorbers or units give an iva.Start, a run or an orbit"
+            raise ValueError(f"start: {rule}")
         if len(values) != len(NAMES):
             rule = f"give {', '.join(NAMES)}"
             raise ValueError(f"start has {len(values)} numbers: {rule}")
@@ -208,8 +209,9 @@ def start_of(start: object, absorber: object) -> Start:
 
 
 def several(absorber: object) -> bool:
-    """Return whether there are several absorbers."""
-    return isinstance(absorber, (list, tuple)) and len(absorber) > 1
+    """Return whether there are several absorbers, or units."""
+    each = absorber if isinstance(absorber, (list, tuple)) else [absorber]
+    return sum(getattr(one, "units", None) or 1 for one in each) > 1
 
 
 def alone(orbit: Orbit) -> None:
@@ -220,9 +222,9 @@ def alone(orbit: Orbit) -> None:
     ValueError
         If it is not.
     """
-    if isinstance(orbit.absorber, (list, tuple)) or isinstance(orbit.primary, Structure):
+    if several(orbit.absorber) or isinstance(orbit.primary, Structure):
         rule = "give one of a single absorber on an iva.Primary"
-        raise ValueError(f"orbit is one of several absorbers, or on several modes: {rule}")
+        raise ValueError(f"orbit is one of several absorbers or units, or on several modes: {rule}")
 
 
 def whole(field: str, value: object, least: int, most: int) -> int:

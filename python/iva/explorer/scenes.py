@@ -87,7 +87,10 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     words = {f"absorber.{word}" for word in WORDS}
     choices = {path.partition(".")[2]: str(spec[path]) for path in spec if path in words}
     numbers = {
-        path: float(value) for path, value in spec.items() if path not in words and path != "forces"
+        # A list of the start has one number for one absorber.
+        path: float(value[0] if isinstance(value, tuple) else value)
+        for path, value in spec.items()
+        if path not in words and path != "forces"
     }
     forces = list(spec.get("forces", ()))
     return {

@@ -243,6 +243,21 @@ fn defaults_are_filled_in_and_replaced_values_left_out() {
     assert!(text.find("absorber.gap") < text.find("damping_ratio = ["), "{text}");
 }
 
+/// Also beside a stop, which has none.
+#[test]
+fn starts_of_units_read_back_the_same() {
+    let text = STUDY.split("[sweep]").next().unwrap().replace("[absorber]", "[[absorber]]\nunits = 2").replace(
+        "[start]",
+        "[[absorber]]\nkind = \"stop\"\nrestitution = 0.5\nclearance = 3\n[start]\ngap_displacement = [0.1, 0.2, 0]",
+    );
+    let file = resolve(&parse_study(Path::new("my.toml"), &text).unwrap()).unwrap();
+    let again = parse_study(Path::new("study.toml"), &write(&file).unwrap()).unwrap();
+    assert_same(&again, &file, &text);
+    assert_eq!(again.study.spec.starts(FieldId::GapDisplacement), [0.1, 0.2, 0.0]);
+    let other = parse_study(Path::new("my.toml"), &text.replace("0.2, 0]", "0.3, 0]")).unwrap();
+    assert_ne!(Identity::of(&other.study).unwrap(), Identity::of(&file.study).unwrap());
+}
+
 #[test]
 fn the_designs_are_the_same_before_and_after() {
     let hung = STUDY

@@ -371,6 +371,28 @@ fn several_absorbers_have_their_own_numbers() {
 }
 
 #[test]
+fn units_have_starts_of_their_own() {
+    let divided = SEVERAL
+        .replace("restitution = 0.7", "restitution = 0.7\nunits = 2")
+        .replace("[0.1, -0.2]", "[0.1, -0.2, 0.3]");
+    let file = good(&divided);
+    let spec = &file.study.spec;
+    assert_eq!(spec.starts(FieldId::GapDisplacement), [0.1, -0.2, 0.3]);
+    assert_eq!(spec.starts(FieldId::GapVelocity), [0.3, 0.3]);
+    let error = bad(&divided.replace("[0.1, -0.2, 0.3]", "[0.1, -0.2, 0.3, 0.4]")).to_string();
+    assert!(error.contains("a list of 2, one for each absorber, or of 3"), "{error}");
+    let outside = good(&divided.replace("0.3]", "0.5]"));
+    let invalid = outside.study.design(0).unwrap_err();
+    let error = outside.source.locate(&invalid).to_string();
+    assert!(error.starts_with("my.toml:17:"), "{error}");
+    assert!(error.contains("start.1.1.gap_displacement = 0.5: it must lie in the gap"), "{error}");
+    let all = good(&format!("{divided}[sweep]\ngap_displacement = [0.0, 0.1]\n"));
+    assert_eq!(all.study.spec(1).unwrap().starts(FieldId::GapDisplacement), [0.1, 0.1]);
+    let error = bad(&format!("{divided}[sweep]\n\"absorber.1.units\" = [2, 3]\n")).to_string();
+    assert!(error.contains("a number for each unit; give one for all units"), "{error}");
+}
+
+#[test]
 fn faults_of_several_absorbers_name_theirs() {
     let wrong = |from: &str, to: &str| {
         let text = SEVERAL.replace(from, to);

@@ -149,7 +149,7 @@ impl Family {
         Ok(family)
     }
 
-    /// The same of any number of absorbers, and on several modes.
+    /// The same of any number of absorbers and units, and on several modes.
     ///
     /// # Errors
     /// As [`Family::new`], or if there are too many.
@@ -205,7 +205,7 @@ impl Family {
             Scene::Modal(mounted) => {
                 let given =
                     format!("{} on {} modes", scene_count, mounted.system.structure().count());
-                let rule = "orbits are those of at most four absorbers and four modes; a mass with a spring or a dashpot and a stop count as a mode too";
+                let rule = "orbits are those of at most four absorbers or units and four modes; a mass with a spring or a dashpot and a stop count as a mode too";
                 return Err(Invalid::new("absorber", given, rule));
             }
             _ => return Err(not_periodic(&spec)),
@@ -245,14 +245,6 @@ fn check_kind(spec: &Spec) -> Result<(), Invalid> {
     if kind == Kind::None {
         let rule = "an orbit is one of an absorber; give a free mass, a pendulum or a stop";
         return Err(Invalid::new("absorber.kind", kind.name(), rule));
-    }
-    let units =
-        |absorber: &usize| spec.get_of(*absorber, FieldId::Units).is_some_and(|it| it > 1.0);
-    if let Some(absorber) = (0..spec.count()).find(units) {
-        let rule = "an orbit has a place for each absorber of one unit; give the units as a list";
-        let path = spec.slot(FieldId::Units, absorber).path();
-        let value = spec.get_of(absorber, FieldId::Units).unwrap_or(0.0);
-        return Err(Invalid::new(path, number(value), rule));
     }
     let periodic = |force: &ForceSpec| force.record.is_none() && force.nature() == Nature::Harmonic;
     let all = spec.forces();

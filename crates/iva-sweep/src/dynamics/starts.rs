@@ -8,7 +8,6 @@ use iva_core::orbit::{Coordinates, Iterated, Trajectory};
 use iva_core::piva::Angles;
 
 use super::family::{Family, Member};
-use crate::choices::Kind;
 use crate::cube::{Cube, Method};
 use crate::design::Spec;
 use crate::fields::FieldId;
@@ -238,12 +237,10 @@ impl Family {
             let mut from = spec.clone();
             from.replace(FieldId::Displacement, one[0])?;
             from.replace(FieldId::Velocity, one[1])?;
-            for (k, gap) in one[2..].chunks(2).enumerate() {
-                // A stop on the ground has no place of its own.
-                if from.choices_of(k).kind != Kind::Stop {
-                    from.replace(from.slot(FieldId::GapDisplacement, k), gap[0])?;
-                    from.replace(from.slot(FieldId::GapVelocity, k), gap[1])?;
-                }
+            for (field, first) in [(FieldId::GapDisplacement, 2), (FieldId::GapVelocity, 3)] {
+                let each: Vec<f64> = one[first..].iter().step_by(2).copied().collect();
+                from.clear(field.into());
+                from.set_starts(field, &each)?;
             }
             if let Member::System(trajectory) = Self::of_all(from, 1)?.member {
                 trajectories.push(*trajectory);

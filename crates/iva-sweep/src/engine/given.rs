@@ -3,7 +3,7 @@
 use iva_core::real::Real;
 
 use crate::choices::Choices;
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::slot::Slot;
 use crate::spec::Spec;
@@ -15,6 +15,8 @@ pub struct Given<'a, R = f64> {
     pub spec: &'a Spec,
     /// The number of the absorber whose fields are read.
     pub(super) absorber: usize,
+    /// The number of the unit of that absorber whose start is read; `None`: that of all its units.
+    unit: Option<usize>,
     /// A field whose value is another by this much, if there is one.
     shift: Option<(Slot, R)>,
 }
@@ -22,7 +24,7 @@ pub struct Given<'a, R = f64> {
 impl<'a, R: Real> Given<'a, R> {
     /// The fields of a spec.
     pub fn new(spec: &'a Spec) -> Self {
-        Self { spec, absorber: 0, shift: None }
+        Self { spec, absorber: 0, unit: None, shift: None }
     }
 
     /// The fields of a spec, of which one, which is given, is larger by a step that doubles may not resolve.
@@ -32,7 +34,24 @@ impl<'a, R: Real> Given<'a, R> {
 
     /// The same fields, with those of the absorber of this number in a list.
     pub(crate) fn of(&self, absorber: usize) -> Self {
-        Self { absorber, ..*self }
+        Self { absorber, unit: None, ..*self }
+    }
+
+    /// The same fields, with the start of one unit of the absorber of this number.
+    pub(super) fn of_unit(&self, absorber: usize, unit: usize) -> Self {
+        Self { absorber, unit: Some(unit), ..*self }
+    }
+
+    /// What the unit has of its own, with its number.
+    fn own(&self, field: FieldId) -> Option<(usize, f64)> {
+        let unit = self.unit?;
+        Some((unit, self.spec.get_of_unit(field, (self.absorber, unit))?))
+    }
+
+    /// The value given for a field that is not of a force, as it was given.
+    fn value(&self, field: FieldId) -> Option<f64> {
+        let own = self.own(field).map(|(_, value)| value);
+        own.or_else(|| self.spec.get_of(self.absorber, field))
     }
 
     /// Kind of the absorber, and model of a pendulum.
@@ -42,7 +61,10 @@ impl<'a, R: Real> Given<'a, R> {
 
     /// The place of a field that is not of a force.
     pub(super) fn slot(&self, field: FieldId) -> Slot {
-        self.spec.slot(field, self.absorber)
+        match self.own(field) {
+            Some((unit, _)) => Slot::of_unit(field, self.absorber, unit),
+            None => self.spec.slot(field, self.absorber),
+        }
     }
 
     /// The path of a field that is not of a force, for messages.
@@ -52,8 +74,7 @@ impl<'a, R: Real> Given<'a, R> {
 
     /// The value given for a field that is not of a force.
     pub(super) fn get(&self, field: FieldId) -> Option<R> {
-        let value = self.spec.get_of(self.absorber, field)?;
-        Some(self.number(self.slot(field), value))
+        Some(self.number(self.slot(field), self.value(field)?))
     }
 
     /// A value given for a field, as a number of the motion.
@@ -66,6 +87,11 @@ impl<'a, R: Real> Given<'a, R> {
     }
 
     pub(super) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
-        self.spec.at_most_one(self.absorber, fields)
+        let mut given = fields.iter().filter_map(|field| Some((*field, self.value(*field)?)));
+        let (Some((first, _)), Some((second, value))) = (given.next(), given.next()) else {
+            return Ok(());
+        };
+        let rule = format!("{} is given as well; give one of them", self.path(first));
+        Err(Invalid::new(self.path(second), number(value), rule))
     }
 }

@@ -118,12 +118,8 @@ pub(super) fn each_unit<'a, R: Real>(
         let rule = format!("give {MOST_ABSORBERS} units of all absorbers at most");
         return Err(Invalid::new("absorber", format!("{all} units"), rule));
     }
-    for absorber in 0..given.spec.count() {
-        let given = given.of(absorber);
-        let count = given.spec.units_of(absorber);
-        for unit in 0..count {
-            take(&given, (unit, count))?;
-        }
+    for (absorber, unit) in given.spec.members() {
+        take(&given.of_unit(absorber, unit), (unit, given.spec.units_of(absorber)))?;
     }
     Ok(())
 }
@@ -150,11 +146,12 @@ pub(super) fn shared<R: Real>(
     Ok([mass_ratio / count as f64, clearance])
 }
 
-/// An error of the start, whose field names the absorber of the list instead of its unit.
+/// An error of the start, whose field names the absorber of the list, with its unit only where that has a start of its own.
 pub(super) fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
     let named = error.field.strip_prefix("start.").and_then(|rest| rest.split_once('.'));
     let found = named.and_then(|(place, name)| {
-        let owner = given.of(given.spec.owners().nth(place.parse().ok()?)?);
+        let (absorber, unit) = given.spec.members().nth(place.parse().ok()?)?;
+        let owner = given.of_unit(absorber, unit);
         Some((owner, owner.path(FieldId::find(Part::Start, name)?)))
     });
     match found {

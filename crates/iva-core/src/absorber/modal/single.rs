@@ -38,7 +38,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     pub fn check_single(&self) -> Result<(), Invalid> {
         if !self.is_single() {
             let rule = "give one absorber on one mode";
-            return Err(Invalid::new("absorber", format!("a list of {}", self.count()), rule));
+            return Err(Invalid::new("absorber", format!("{} in all", self.count()), rule));
         }
         Ok(())
     }
