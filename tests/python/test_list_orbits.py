@@ -13,6 +13,7 @@ from iva import dynamics
 from iva.dynamics import Missed, orbit
 
 PRIMARY = iva.Primary(damping_ratio=0.03)
+DAMPED = iva.Primary(damping_ratio=0.05)
 FORCE = iva.Harmonic(amplitude=0.5, frequency=0.95)
 MASS = iva.Siva(mass_ratio=0.08, restitution=0.6, clearance=0.5)
 LIGHT = iva.Siva(mass_ratio=0.05, restitution=0.5, clearance=0.8)
@@ -176,56 +177,51 @@ def test_attractors_are_what_runs_settle_on(name: str) -> None:
 def units(count: int = 2, spread: float = 0.0) -> iva.Siva:
     """Return a mass in units."""
     return iva.Siva(
-        mass_ratio=0.1, restitution=0.6, clearance=0.5, units=count, clearance_spread=spread
+        mass_ratio=0.2, restitution=0.7, clearance=4.5, units=count, clearance_spread=spread
     )
 
 
-@pytest.mark.parametrize("spread", [0.0, 0.25])
-def test_the_orbit_of_units_is_that_of_the_list(spread: float) -> None:
-    """Two masses of half the mass in gaps of 1 ∓ spread times the clearance, to the bit."""
-    half = {"mass_ratio": 0.05, "restitution": 0.6}
-    written = [iva.Siva(**half, clearance=0.5 * (1 + by * spread)) for by in (-1, 1)]
-    start = iva.Start(gap_displacement=[0.1, -0.2], gap_velocity=[0.1, 0.2])
-    asked: dict[str, Any] = {"force": FORCE, "settle": 400, "verify": True}
-    for periods in (1, 2, 3, 4):
-        one, other = (
-            orbit(absorber, PRIMARY, start=start, periods=periods, **asked)
-            for absorber in (units(spread=spread), written)
-        )
-        if one:
-            break
+def written(spread: float) -> list[iva.Siva]:
+    """Return two units as a list: of half the mass, in gaps of 1 ∓ spread times the clearance."""
+    half = {"mass_ratio": 0.1, "restitution": 0.7}
+    return [iva.Siva(**half, clearance=4.5 * (1 + by * spread)) for by in (-1, 1)]
+
+
+#: Absorbers with units, and the same as a list.
+DIVIDED: dict[str, tuple[Any, list[iva.Siva]]] = {
+    "alike": (units(), written(0.0)),
+    "spread": (units(spread=0.1), written(0.1)),
+    "in a list": ([LIGHT, units(spread=0.1)], [LIGHT, *written(0.1)]),
+}
+LARGE = iva.Harmonic(amplitude=1.0, frequency=1.0)
+
+
+@pytest.mark.parametrize("name", DIVIDED)
+def test_orbits_and_attractors_of_units_are_those_of_the_list(name: str) -> None:
+    """To the bit; a start has a place for each unit, and ``verify`` finds the orbit as well."""
+    count = len(DIVIDED[name][1])
+    start = iva.Start(gap_displacement=[0.1, -0.2, 0.3][-count:], gap_velocity=0.1)
+    asked: dict[str, Any] = {"force": LARGE, "start": start, "settle": 300}
+    one, other = (orbit(absorbers, DAMPED, **asked) for absorbers in DIVIDED[name])
     assert one
     assert other
-    assert one.start == other.start
+    assert (one.start, one.state, one.walls) == (other.start, other.state, other.walls)
+    assert (one.impacts, one.multipliers) == (other.impacts, other.multipliers)
     begin: Any = one.start
-    assert len(begin.gap_displacement) == 2
-    assert one.state == other.state
-    assert one.impacts == other.impacts
-    assert one.multipliers == other.multipliers
-    assert len(one.multipliers) == 6
-    assert one.residual < 1e-18
-    again = orbit(one.absorber, PRIMARY, force=FORCE, start=one.run(), periods=one.periods)
+    assert len(begin.gap_displacement) == len(begin.gap_velocity) == count
+    assert len(one.state) == len(one.multipliers) == 2 + 2 * count
+    again = orbit(one.absorber, DAMPED, force=LARGE, start=one.run(), verify=True)
     assert again
+    assert again.residual < 1e-18
     assert again.amplitude == pytest.approx(one.amplitude, rel=1e-9)
-
-
-def test_the_attractors_of_units_are_those_of_the_list() -> None:
-    """From the same starts; one of the absorbers has two units."""
-    divided = iva.Siva(
-        mass_ratio=0.06, restitution=0.5, clearance=0.6, units=2, clearance_spread=0.2
+    limits: dict[str, int] = {"starts": 4, "most_periods": 4, "most_cycles": 400}
+    found, expected = (
+        dynamics.attractors(absorbers, DAMPED, force=LARGE, **limits) for absorbers in DIVIDED[name]
     )
-    written = [iva.Siva(mass_ratio=0.03, restitution=0.5, clearance=0.6 * by) for by in (0.8, 1.2)]
-    one, other = (
-        dynamics.attractors(absorbers, PRIMARY, force=FORCE, starts=6, most_periods=4)
-        for absorbers in ([MASS, divided], [MASS, *written])
-    )
-    assert one.attractors
-    assert one.counts() == other.counts()
-    assert len(one.box) == 8
-    for found, expected in zip(one.attractors, other.attractors, strict=True):
-        assert found.orbit.state == pytest.approx(expected.orbit.state, rel=1e-9, abs=1e-12)
-        begin: Any = found.orbit.start
-        assert len(begin.gap_velocity) == 3
+    assert (found.counts(), found.box) == (expected.counts(), expected.box)
+    assert found.aperiodic_start == expected.aperiodic_start
+    starts = [[it.orbit.start for it in all_.attractors] for all_ in (found, expected)]
+    assert starts[0] == starts[1]
 
 
 def test_what_orbits_of_lists_do_not_take() -> None:
