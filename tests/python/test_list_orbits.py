@@ -214,7 +214,7 @@ def test_orbits_and_attractors_of_units_are_those_of_the_list(name: str) -> None
     assert again
     assert again.residual < 1e-18
     assert again.amplitude == pytest.approx(one.amplitude, rel=1e-9)
-    limits: dict[str, int] = {"starts": 4, "most_periods": 4, "most_cycles": 400}
+    limits: dict[str, Any] = {"starts": 4, "most_periods": 4, "most_cycles": 400}
     found, expected = (
         dynamics.attractors(absorbers, DAMPED, force=LARGE, **limits) for absorbers in DIVIDED[name]
     )
