@@ -308,7 +308,7 @@ fn too_many_points_are_refused_without_allocating() {
 fn beaten() -> Spec {
     let mut spec = shaken();
     spec.add_force(ForceSpec::new(None));
-    let slot = |field| Slot { field, number: Some(1) };
+    let slot = |field: FieldId| Slot { number: Some(1), ..field.into() };
     spec.set(slot(FieldId::BaseAcceleration), 0.2).unwrap();
     spec.set(slot(FieldId::RelativeFrequency), 1.3).unwrap();
     spec
