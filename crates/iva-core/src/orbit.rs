@@ -20,7 +20,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::Matrix4;
+use nalgebra::DMatrix;
 
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::Piva;
@@ -31,7 +31,7 @@ use crate::engine::simulate::{Instant, Limits, Outcome, Run, Tally};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::{DrivenHost, Excitation};
-use crate::measures::propagation::{Differentiable, Tangent};
+use crate::measures::propagation::Derivative;
 use crate::range;
 use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::run::piva::{Pushed, Still};
@@ -75,7 +75,7 @@ pub struct Cycle {
 }
 
 /// The image of a state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Image<State> {
     /// The state at the end of the cycle, with the drive set back to the begin of the cycle.
     pub state: State,
@@ -85,10 +85,19 @@ pub struct Image<State> {
     pub rides: u64,
     /// How the cycle has ended; unless it is [`Outcome::Finished`], the state is that where it ended.
     pub outcome: Outcome,
-    /// Derivative of (x, ẋ, y, ẏ) at the end with respect to that at the begin, if it was asked for.
-    pub tangent: Option<Matrix4<f64>>,
-    /// Its determinant, of the same sign and more exact than that computed from it; 0 with a ride.
+    /// The derivative of its state, if it was asked for.
+    pub tangent: Option<Derived>,
+}
+
+/// The derivative of the state at the end of a cycle with respect to that at the begin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derived {
+    /// In all numbers of a state ([`Coordinates::point`]).
+    pub matrix: DMatrix<f64>,
+    /// Its determinant, of the same sign and more exact than that computed from it, where that is known; 0 with a ride.
     pub volume: Option<f64>,
+    /// How many of the numbers were lost at one instant, at the most ([`Derivative::lost`]).
+    pub lost: usize,
 }
 
 /// A trajectory: the state that it begins with, and the cycle that is repeated.
@@ -142,10 +151,10 @@ impl<S: Absorber<Real = f64>> Trajectory<S> {
 }
 
 /// The run of one cycle.
-type Turn<'a, S> = Run<'a, S, Option<Tangent>>;
+type Turn<'a, S> = Run<'a, S, Option<<S as Coordinates>::Derivative>>;
 
 /// A cycle from a state, begun.
-fn begun<'a, S: Differentiable>(
+fn begun<'a, S: Coordinates>(
     trajectory: &'a Trajectory<S>,
     state: &S::State,
     limits: &'a Limits,
@@ -154,30 +163,32 @@ fn begun<'a, S: Differentiable>(
     let system = &trajectory.system;
     let time = Clock::new(trajectory.cycle.begin);
     let from = Instant { time, state: system.with_drive_of(state, &trajectory.state) };
-    let mut run = Run::new(system, &from, limits, cancel, tangents.then(Tangent::default));
+    let mut run = Run::new(system, &from, limits, cancel, tangents.then(S::Derivative::default));
     run.begin();
     run
 }
 
-/// The derivative at the end of a cycle, and its determinant, if they are computed.
-fn derivative<S: Absorber>(run: &Turn<'_, S>) -> (Option<Matrix4<f64>>, Option<f64>) {
-    run.observer.as_ref().map(|tangent| (*tangent.derivative(), tangent.volume())).unzip()
+/// The derivative at the end of a cycle with so many rides, if it is computed.
+fn derivative<S: Coordinates>(run: &mut Turn<'_, S>, rides: u64) -> Option<Derived> {
+    let seen = run.observer.as_mut()?;
+    let (volume, lost) = (seen.volume(), seen.lost(rides));
+    Some(Derived { matrix: seen.factor(run.system), volume, lost })
 }
 
 /// The image at the end of a cycle, with the drive of a state at its begin.
-fn image<S: Differentiable>(run: &mut Turn<'_, S>, begin: &S::State) -> Image<S::State> {
+fn image<S: Coordinates>(run: &mut Turn<'_, S>, begin: &S::State) -> Image<S::State> {
     let tally = run.finish();
     let state = run.system.with_drive_of(&tally.state, begin);
-    let (tangent, volume) = derivative(run);
     let Tally { impacts, episodes: rides, outcome, .. } = tally;
-    Image { state, impacts, rides, outcome, tangent, volume }
+    let tangent = derivative(run, rides);
+    Image { state, impacts, rides, outcome, tangent }
 }
 
 /// The image of the first state of a trajectory, with the derivative of the map or without.
 ///
 /// # Errors
 /// [`Invalid`] if the cycle has no length, or begins before time zero.
-pub fn map<S: Differentiable>(
+pub fn map<S: Coordinates>(
     trajectory: &Trajectory<S>,
     tangents: bool,
     cancel: Option<&AtomicBool>,
@@ -202,7 +213,7 @@ pub struct Request<'a> {
 }
 
 /// An absorber whose trajectories may go side by side.
-pub trait Iterated: SideBySide + Differentiable {
+pub trait Iterated: SideBySide + Coordinates {
     /// Goes on with those of a group, which fit together; by default one after the other. The limits are those of one
     /// cycle of each trajectory.
     fn iterate_group(

@@ -8,9 +8,9 @@
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::DMatrix;
 
-use super::coordinates::Coordinates;
+use super::coordinates::Strobe;
 use super::neighbourhood::Neighbourhood;
 use super::{Image, Iterated, Request, Trajectory, iterate};
 use crate::engine::simulate::Outcome;
@@ -61,22 +61,23 @@ impl Cell {
 }
 
 /// A start on its way.
-struct Way {
-    last: Vector4<f64>,
+struct Way<T> {
+    last: T,
     /// The covariance of the rounding errors, over the square of the size of the state.
-    covariance: Matrix4<f64>,
+    covariance: DMatrix<f64>,
     cell: Cell,
 }
 
-impl Way {
-    fn new() -> Self {
+impl<T: Strobe> Way<T> {
+    /// Of a state of so many numbers.
+    fn new(count: usize) -> Self {
         let cell = Cell { ending: Ending::Open(Outcome::Cancelled), cycles: 0, error: 0.0 };
-        let round = Matrix4::identity() * ROUNDING * ROUNDING;
-        Self { last: Vector4::repeat(f64::NAN), covariance: round, cell }
+        let round = DMatrix::from_diagonal_element(count, count, ROUNDING * ROUNDING);
+        Self { last: T::none(), covariance: round, cell }
     }
 
     /// Goes on to the next strobe; true if it decides.
-    fn ends<S: Coordinates>(
+    fn ends<S: Iterated<Strobe = T>>(
         &mut self,
         system: &S,
         image: &Image<S::State>,
@@ -88,17 +89,19 @@ impl Way {
         let (Outcome::Finished, Some(tangent)) = (image.outcome, &image.tangent) else {
             return true;
         };
-        let round = Matrix4::identity() * (ROUNDING * ROUNDING);
-        self.covariance = tangent * self.covariance * tangent.transpose() + round;
+        self.covariance = &tangent.matrix * &self.covariance * tangent.matrix.transpose();
+        for i in 0..self.covariance.ncols() {
+            self.covariance[(i, i)] += ROUNDING * ROUNDING;
+        }
         cell.error = cell.error.max(self.covariance.trace().sqrt());
-        let at = system.coordinates(&image.state);
-        if let Some(near) = neighbourhoods.iter().find(|it| it.holds(&at)) {
+        let at = system.strobe(&image.state);
+        if let Some(near) = neighbourhoods.iter().find(|it| it.holds(at.numbers())) {
             cell.ending = Ending::Attractor(near.attractor);
             return true;
         }
         if image.impacts == 0 {
-            let size = system.clearance().max(at.amax());
-            if (self.last - at).amax() <= REPEATS * size {
+            let size = system.clearance().max(at.size());
+            if self.last.apart(&at) <= REPEATS * size {
                 cell.ending = Ending::NoImpacts;
                 return true;
             }
@@ -113,13 +116,14 @@ impl Way {
 ///
 /// # Errors
 /// [`Invalid`] if a cycle has no length or begins before time zero.
-pub fn basins<S: Iterated + Coordinates>(
+pub fn basins<S: Iterated>(
     trajectories: &[Trajectory<S>],
     neighbourhoods: &[Neighbourhood],
     most_cycles: u64,
     cancel: Option<&AtomicBool>,
 ) -> Result<Vec<Cell>, Invalid> {
-    let mut ways: Vec<Way> = trajectories.iter().map(|_| Way::new()).collect();
+    let count = trajectories.first().map_or(0, |it| it.system.point(&it.state).len());
+    let mut ways: Vec<Way<S::Strobe>> = trajectories.iter().map(|_| Way::new(count)).collect();
     let request = Request { tangents: true, cancel };
     let mut see = |index: usize, image: &Image<S::State>| -> ControlFlow<()> {
         let system = &trajectories[index].system;

@@ -6,7 +6,7 @@ use nalgebra::{DVector, Vector4};
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, OnStructure, Start, Wall};
+use crate::absorber::{Absorber, ImpactLaw as _, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::{Derivative, Differentiable, Tangent, Tangents};
 use crate::number::real::Real;
@@ -100,6 +100,10 @@ pub trait Coordinates: Differentiable + Numbered + Sized {
     fn start_of(&self, point: &DVector<f64>) -> Option<Self::Start> {
         let start = self.all_numbered(point.as_slice())?;
         self.check_start(&start).is_ok().then_some(start)
+    }
+    /// Which of the numbers of a state are y from the middle of a gap, each with the index of its absorber.
+    fn gaps(&self) -> Vec<(usize, usize)> {
+        vec![(2, 0)]
     }
     /// The four numbers of a state.
     fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
@@ -254,7 +258,14 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<
     }
 
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
-        log_volume(self, time, impacts)
+        let first = self.law_of(0, Wall::Plus, 1.0);
+        let like = |k: usize| [Wall::Plus, Wall::Minus].map(|wall| self.law_of(k, wall, 1.0));
+        let alike = (1..self.count()).all(|k| like(k) == [first; 2]);
+        alike.then(|| log_volume(self, time, impacts))?
+    }
+
+    fn gaps(&self) -> Vec<(usize, usize)> {
+        if self.is_single() { vec![(2, 0)] } else { self.gaps_of_point() }
     }
 
     fn dimension(&self) -> usize {

@@ -6,9 +6,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use nalgebra::Vector4;
-
-use super::coordinates::Coordinates;
+use super::coordinates::{Coordinates, Strobe as _};
 use super::lyapunov::Window;
 use super::{Trajectory, map};
 use crate::absorber::Clock;
@@ -27,33 +25,35 @@ pub enum Direction {
 
 /// The state at the end of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strobe {
-    /// x, ẋ, y, ẏ.
-    pub at: Vector4<f64>,
+pub struct Strobe<T> {
+    /// All numbers of the state.
+    pub at: T,
     /// Number of listed impacts in the cycle.
     pub impacts: u64,
 }
 
 /// The strobes for one value of the parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct Column<T> {
     /// The strobes after the cycles left out, in order of time.
-    pub strobes: Vec<Strobe>,
+    pub strobes: Vec<Strobe<T>>,
     /// How the last cycle ended. If it did not finish, there are fewer strobes, and the next value begins from its own start.
     pub outcome: Outcome,
 }
 
-/// A trajectory from the state with these coordinates in another scene. Where its gap is too narrow for them, the absorber is
-/// put on the wall; `None` if the coordinates are not in range.
+/// A trajectory from the state with these numbers in another scene. Where a gap is too narrow for them, the absorber is
+/// put on the wall; `None` if the numbers are not in range.
 fn put<S: Coordinates + Clone>(
     trajectory: &Trajectory<S>,
-    at: &Vector4<f64>,
+    at: &S::Strobe,
 ) -> Option<Trajectory<S>> {
     let Trajectory { system, cycle, .. } = trajectory;
-    let clearance = system.clearance();
-    let mut at = *at;
-    at[2] = at[2].clamp(-clearance, clearance);
-    let start = system.start_at(&at)?;
+    let mut numbers = at.numbers().to_vec();
+    for (place, absorber) in system.gaps() {
+        let clearance = system.clearance_of(absorber);
+        numbers[place] = numbers[place].clamp(-clearance, clearance);
+    }
+    let start = system.start_at_strobe(&S::Strobe::with(&numbers))?;
     let state = system.begin_at(&start, Clock::new(cycle.begin));
     Some(trajectory.from(&state))
 }
@@ -72,12 +72,12 @@ pub fn diagram<S: Coordinates + Clone>(
     window: Window,
     cancel: Option<&AtomicBool>,
     done: Option<&AtomicU64>,
-) -> Result<Vec<Column>, Invalid> {
+) -> Result<Vec<Column<S::Strobe>>, Invalid> {
     for trajectory in trajectories {
         trajectory.limits()?;
     }
     let mut columns = Vec::with_capacity(trajectories.len());
-    let mut last: Option<Vector4<f64>> = None;
+    let mut last: Option<S::Strobe> = None;
     for step in 0..trajectories.len() {
         let trajectory = match direction {
             Direction::Up => &trajectories[step],
@@ -100,7 +100,7 @@ fn column<S: Coordinates + Clone>(
     mut trajectory: Trajectory<S>,
     Window { discard, keep }: Window,
     cancel: Option<&AtomicBool>,
-) -> Result<(Column, Option<Vector4<f64>>), Invalid> {
+) -> Result<(Column<S::Strobe>, Option<S::Strobe>), Invalid> {
     let mut strobes = vec![];
     for cycle in 0..discard.saturating_add(keep) {
         let image = map(&trajectory, false, cancel)?;
@@ -110,10 +110,10 @@ fn column<S: Coordinates + Clone>(
         }
         trajectory.state = image.state;
         if cycle >= discard {
-            let at = trajectory.system.coordinates(&image.state);
+            let at = trajectory.system.strobe(&image.state);
             strobes.push(Strobe { at, impacts: image.impacts });
         }
     }
-    let end = trajectory.system.coordinates(&trajectory.state);
+    let end = trajectory.system.strobe(&trajectory.state);
     Ok((Column { strobes, outcome: Outcome::Finished }, Some(end)))
 }

@@ -17,7 +17,7 @@ use crate::run::side_by_side::{Cycling, Loaded, Tier};
 const CANCEL_EVERY: u32 = 1024;
 
 /// Goes on with trajectories that fit together.
-pub(super) fn iterate<S: Iterated, L: Cycling<S>>(
+pub(super) fn iterate<S: Iterated<Derivative = Tangent>, L: Cycling<S>>(
     (trajectories, limits): (&[Trajectory<S>], &[Limits]),
     group: &[usize],
     request: Request<'_>,
@@ -98,7 +98,7 @@ struct Turns<'a, 'b, S: Iterated> {
     next: usize,
 }
 
-impl<S: Iterated> Turns<'_, '_, S> {
+impl<S: Iterated<Derivative = Tangent>> Turns<'_, '_, S> {
     /// True if a lane has a trajectory.
     fn is_live(&self) -> bool {
         self.turns.iter().any(Option::is_some)
@@ -136,11 +136,11 @@ impl<S: Iterated> Turns<'_, '_, S> {
         if let Some(tangent) = &mut turn.observer {
             tangent.turn(system, &state, Clock::new(turn.limits.duration), false);
         }
-        let (tangent, volume) = derivative(turn);
         let (impacts, outcome) = (lanes.impacts(i), Outcome::Finished);
         // The rides of this cycle; the run goes on with the next.
         let rides = std::mem::take(&mut turn.tally.episodes);
-        let image = Image { state, impacts, rides, outcome, tangent, volume };
+        let tangent = derivative(turn, rides);
+        let image = Image { state, impacts, rides, outcome, tangent };
         let clock = Clock::new(cycle.begin);
         let from = Loaded { system, clock, state, forced: forced.as_deref() };
         if (self.see)(self.given.group[position], &image).is_break() {
@@ -208,7 +208,7 @@ impl<S: Iterated> Turns<'_, '_, S> {
 }
 
 /// Lets a lane take a run over, if the run is at a state from which it can.
-fn taken<S: Iterated, L: Cycling<S>>(
+fn taken<S: Iterated<Derivative = Tangent>, L: Cycling<S>>(
     lanes: &mut L,
     i: usize,
     turn: &Turn<'_, S>,

@@ -1,22 +1,22 @@
 //! Lyapunov exponents: the mean rates at which neighbouring motions separate, from the exact derivatives of cycle after cycle.
 //!
-//! Four small differences are carried along a trajectory and made orthogonal after each cycle (QR), as G. Benettin et al.
-//! (Meccanica 15 (1980) 9–30) do for smooth systems; impacts are in the derivatives. The last difference has what the other three
-//! leave of the determinant of the derivative, which is known more exactly than the difference itself where an impact is next to
-//! grazing. Without rides the sum of the exponents of a free mass is
+//! As many small differences as a state has numbers are carried along a trajectory and made orthogonal after each cycle (QR), as G.
+//! Benettin et al. (Meccanica 15 (1980) 9–30) do for smooth systems; impacts are in the derivatives. The last difference has what the
+//! others leave of the determinant of the derivative, where that is known more exactly than the difference itself: next to a grazing.
+//! Without rides the sum of the exponents of a free mass is
 //! 2 ln e times the number of impacts per time, less 2 ζ, in every run however short: how far the sum found is from that is part
 //! of the result.
 //!
-//! A ride takes two dimensions out of four: the absorber leaves its wall at rest, wherever it has come from. With a ride in the
-//! cycles that count two exponents are −∞. A plastic impact, after which the absorber leaves at once, takes one.
+//! A ride takes two dimensions: the absorber leaves its wall at rest, wherever it has come from. With a ride in the
+//! cycles that count two exponents are −∞, four where two absorbers ride at once. A plastic impact, after which the absorber leaves
+//! at once, takes one, and so does friction that holds an absorber.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector};
 
-use super::coordinates::Coordinates;
-use super::{Image, Iterated, Request, Trajectory, iterate};
+use super::{Derived, Image, Iterated, Request, Trajectory, iterate};
 use crate::engine::simulate::Outcome;
 use crate::error::Invalid;
 
@@ -37,11 +37,12 @@ pub struct Window {
 /// The Lyapunov exponents of an attractor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// The exponents, in ωn, largest first; −∞ for what rides and plastic impacts take away. NaN if no cycle was completed.
-    pub exponents: [f64; 4],
+    /// The exponents, in ωn, largest first, one of each number of a state; −∞ for what rides and plastic impacts take away. NaN if no
+    /// cycle was completed.
+    pub exponents: Vec<f64>,
     /// Their standard errors: from the means of blocks of cycles or, if that is larger, from those of whole trajectories. NaN from less
     /// than two blocks, 0 where the exponent is −∞.
-    pub standard_errors: [f64; 4],
+    pub standard_errors: Vec<f64>,
     /// The sum of the exponents less 2 ln e times the number of impacts per time, plus 2 ζ: rounding. Of the trajectory
     /// where it is largest; `None` if there are rides, for plastic impacts, unlike walls, or a pendulum.
     pub sum_error: Option<f64>,
@@ -69,15 +70,15 @@ impl Spectrum {
             }
             sum += exponent;
         }
-        4.0
+        self.exponents.len() as f64
     }
 }
 
 /// Makes the columns of a matrix orthonormal, one after the other (E. Schmidt, modified); the logarithms of their lengths before.
-fn orthonormal(matrix: &mut Matrix4<f64>) -> [f64; 4] {
-    let mut logs = [f64::NEG_INFINITY; 4];
+fn orthonormal(matrix: &mut DMatrix<f64>) -> Vec<f64> {
+    let mut logs = vec![f64::NEG_INFINITY; matrix.ncols()];
     for (j, log) in logs.iter_mut().enumerate() {
-        let mut column: Vector4<f64> = matrix.column(j).into();
+        let mut column: DVector<f64> = matrix.column(j).into();
         for i in 0..j {
             let other = matrix.column(i);
             column -= other * other.dot(&column);
@@ -93,21 +94,21 @@ fn orthonormal(matrix: &mut Matrix4<f64>) -> [f64; 4] {
 }
 
 /// Replaces the last columns of a matrix so that all are orthonormal.
-fn complete(matrix: &mut Matrix4<f64>, last: usize) {
-    matrix.columns_mut(4 - last, last).fill(0.0);
-    for j in 4 - last..4 {
-        let left = Matrix4::identity() - *matrix * matrix.transpose();
-        // Of the unit vectors that with the longest part across the columns before: it is at least ½ long.
-        let lengths: Vector4<f64> = left.diagonal();
-        let column = left.column(lengths.imax()).normalize();
+fn complete(matrix: &mut DMatrix<f64>, last: usize) {
+    let count = matrix.ncols();
+    matrix.columns_mut(count - last, last).fill(0.0);
+    for j in count - last..count {
+        let left = DMatrix::identity(count, count) - &*matrix * matrix.transpose();
+        // Of the unit vectors that with the longest part across the columns before.
+        let column = left.column(left.diagonal().imax()).normalize();
         matrix.set_column(j, &column);
     }
 }
 
 /// Sums over cycles.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 struct Sums {
-    logs: [f64; 4],
+    logs: Vec<f64>,
     impacts: u64,
     rides: u64,
     cycles: u64,
@@ -115,38 +116,41 @@ struct Sums {
 
 impl Sums {
     fn plus(mut self, other: &Self) -> Self {
-        self.logs = [0, 1, 2, 3].map(|k| self.logs[k] + other.logs[k]);
+        self.logs.resize(self.logs.len().max(other.logs.len()), 0.0);
+        self.logs.iter_mut().zip(&other.logs).for_each(|(sum, log)| *sum += log);
         self.impacts += other.impacts;
         self.rides += other.rides;
         self.cycles += other.cycles;
         self
     }
 
-    /// The means per time of the logarithms, and per cycle of the impacts.
-    fn means(&self, length: f64) -> [f64; 5] {
+    /// The means per time of so many logarithms, and per cycle of the impacts.
+    fn means(&self, count: usize, length: f64) -> Vec<f64> {
         let cycles = self.cycles as f64;
-        let [a, b, c, d] = self.logs.map(|log| log / (cycles * length));
-        [a, b, c, d, self.impacts as f64 / cycles]
+        let mean = |k: usize| self.logs.get(k).map_or(f64::NAN, |log| log / (cycles * length));
+        (0..count).map(mean).chain([self.impacts as f64 / cycles]).collect()
     }
 }
 
-/// What the four differences of a trajectory have come to.
+/// What the differences of a trajectory have come to.
 #[derive(Debug, Clone)]
 pub struct Carried {
-    differences: Matrix4<f64>,
+    differences: DMatrix<f64>,
     seen: u64,
     blocks: Vec<Sums>,
-    /// The number of dimensions that a ride or a plastic impact in a cycle that counts has taken.
+    /// The number of dimensions that rides or plastic impacts in a cycle that counts have taken.
     lost: usize,
     outcome: Outcome,
 }
 
 impl Carried {
-    /// Of four numbers that are those of fewer dimensions the last tell the others.
-    fn new(dimension: usize) -> Self {
+    /// Of numbers that are those of fewer dimensions the last tell the others.
+    fn new([numbers, dimension]: [usize; 2]) -> Self {
         let outcome = Outcome::Cancelled;
-        let first = |column: usize| Vector4::ith((column + dimension) % 4, 1.0);
-        let differences = Matrix4::from_columns(&[0, 1, 2, 3].map(first));
+        let mut differences = DMatrix::zeros(numbers, numbers);
+        for column in 0..numbers {
+            differences[((column + dimension) % numbers, column)] = 1.0;
+        }
         Self { differences, seen: 0, blocks: vec![], lost: 0, outcome }
     }
 
@@ -158,30 +162,27 @@ impl Carried {
         dimension: usize,
     ) -> ControlFlow<()> {
         self.outcome = image.outcome;
-        let Image {
-            tangent: Some(tangent), volume: Some(volume), outcome: Outcome::Finished, ..
-        } = image
-        else {
+        let Image { tangent: Some(Derived { matrix, volume, lost }), outcome, .. } = image else {
             return Break(());
         };
-        self.differences = tangent * self.differences;
+        if *outcome != Outcome::Finished {
+            return Break(());
+        }
+        self.differences = matrix * &self.differences;
         let mut logs = orthonormal(&mut self.differences);
-        if volume.abs() >= f64::MIN_POSITIVE {
-            logs[3] = volume.abs().ln() - (logs[0] + logs[1] + logs[2]);
+        let count = logs.len();
+        if let Some(volume) = volume.filter(|it| it.abs() >= f64::MIN_POSITIVE) {
+            logs[count - 1] = volume.abs().ln() - logs[..count - 1].iter().sum::<f64>();
         }
         let counts = self.seen >= window.discard;
-        let taken = match image.rides {
-            0 if dimension < 4 => 4 - dimension,
-            0 => usize::from(*volume == 0.0),
-            _ => 6 - dimension,
-        };
+        let taken = count.min(count - dimension + lost);
         if counts {
             self.lost = self.lost.max(taken);
         }
         let lost = self.lost.max(taken);
         if lost > 0 {
             // What rounding has left of the differences that are lost.
-            logs[4 - lost..].fill(f64::NEG_INFINITY);
+            logs[count - lost..].fill(f64::NEG_INFINITY);
             complete(&mut self.differences, lost);
         }
         if counts {
@@ -190,7 +191,7 @@ impl Carried {
             self.blocks.resize(block as usize + 1, Sums::default());
             let one = Sums { logs, impacts, rides, cycles: 1 };
             let last = &mut self.blocks[block as usize];
-            *last = last.plus(&one);
+            *last = std::mem::take(last).plus(&one);
         }
         self.seen += 1;
         if self.seen < window.discard + window.keep { Continue(()) } else { Break(()) }
@@ -214,7 +215,7 @@ fn standard_error(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
 ///
 /// # Errors
 /// [`Invalid`] if nothing is to be kept, or a cycle has no length or begins before time zero.
-pub fn lyapunov<S: Iterated + Coordinates>(
+pub fn lyapunov<S: Iterated>(
     trajectories: &[Trajectory<S>],
     window: Window,
     cancel: Option<&AtomicBool>,
@@ -226,7 +227,7 @@ pub fn lyapunov<S: Iterated + Coordinates>(
 ///
 /// # Errors
 /// As [`lyapunov`].
-pub fn carried<S: Iterated + Coordinates>(
+pub fn carried<S: Iterated>(
     trajectories: &[Trajectory<S>],
     window: Window,
     cancel: Option<&AtomicBool>,
@@ -238,8 +239,9 @@ pub fn carried<S: Iterated + Coordinates>(
         return Err(Invalid::new("window.keep", window.keep.to_string(), rule));
     }
     let dimension = |index: usize| trajectories[index].system.dimension();
-    let mut all: Vec<Carried> =
-        (0..trajectories.len()).map(|index| Carried::new(dimension(index))).collect();
+    let numbers = |it: &Trajectory<S>| it.system.point(&it.state).len();
+    let sizes = trajectories.iter().map(|it| [numbers(it), it.system.dimension()]);
+    let mut all: Vec<Carried> = sizes.map(Carried::new).collect();
     let request = Request { tangents: true, cancel };
     iterate(trajectories, request, &mut |index, image| {
         all[index].take(image, window, dimension(index))
@@ -248,24 +250,22 @@ pub fn carried<S: Iterated + Coordinates>(
 }
 
 /// The exponents of trajectories, with the differences that were carried along them in the same order.
-pub fn spectrum<S: Iterated + Coordinates>(
-    trajectories: &[Trajectory<S>],
-    all: &[Carried],
-) -> Spectrum {
+pub fn spectrum<S: Iterated>(trajectories: &[Trajectory<S>], all: &[Carried]) -> Spectrum {
     let length = trajectories.first().map_or(f64::NAN, |first| first.cycle.length);
+    let count = all.first().map_or(4, |first| first.differences.ncols());
     let total = all.iter().map(Carried::total).fold(Sums::default(), |sums, one| sums.plus(&one));
-    let means = total.means(length);
+    let means = total.means(count, length);
     let blocks: Vec<_> =
-        all.iter().flat_map(|one| &one.blocks).map(|sums| sums.means(length)).collect();
-    let wholes: Vec<_> = all.iter().map(|one| one.total().means(length)).collect();
-    let errors = [0, 1, 2, 3, 4].map(|k| {
+        all.iter().flat_map(|one| &one.blocks).map(|sums| sums.means(count, length)).collect();
+    let wholes: Vec<_> = all.iter().map(|one| one.total().means(count, length)).collect();
+    let error = |k: usize| {
         if means[k] == f64::NEG_INFINITY {
             return 0.0;
         }
         let [within, between] =
             [&blocks, &wholes].map(|of| standard_error(of.iter().map(|it| it[k])));
         f64::max(within, between)
-    });
+    };
     let begun = trajectories.iter().zip(all).filter(|(_, one)| one.total().cycles > 0);
     let sum_errors = begun.map(|(trajectory, one)| {
         let Sums { logs, impacts, rides, cycles } = one.total();
@@ -276,15 +276,16 @@ pub fn spectrum<S: Iterated + Coordinates>(
     });
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
     let sum_errors: Option<Vec<f64>> = sum_errors.collect();
-    let mut ranked: Vec<_> = (0..4).map(|k| (means[k], errors[k])).collect();
+    let mut ranked: Vec<_> = (0..count).map(|k| (means[k], error(k))).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let unfinished = all.iter().map(|one| one.outcome).find(|it| *it != Outcome::Finished);
+    let (exponents, standard_errors) = ranked.into_iter().unzip();
     Spectrum {
-        exponents: [0, 1, 2, 3].map(|k| ranked[k].0),
-        standard_errors: [0, 1, 2, 3].map(|k| ranked[k].1),
+        exponents,
+        standard_errors,
         sum_error: sum_errors.and_then(|them| them.into_iter().reduce(larger)),
-        impacts: means[4],
-        impacts_error: errors[4],
+        impacts: means[count],
+        impacts_error: error(count),
         rides: total.rides,
         cycles: total.cycles,
         outcome: unfinished.unwrap_or(Outcome::Finished),

@@ -13,20 +13,20 @@
 
 use std::sync::atomic::AtomicBool;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector};
 
 use super::attractors::Attractor;
 use super::coordinates::{Coordinates, Strobe as _};
+use super::periodic::state_at;
 use super::{Trajectory, map};
-use crate::absorber::Clock;
 use crate::engine::simulate::Outcome;
 
 /// Most halvings of the radius.
 const MOST_HALVINGS: u32 = 30;
 /// Most doublings of the number of terms of V: an orbit that needs more is hardly stable.
 const MOST_DOUBLINGS: u32 = 40;
-/// Number of directions that are tried, and the parts of the radius.
-const DIRECTIONS: u32 = 48;
+/// Number of directions that are tried for each number of a state, and the parts of the radius.
+const DIRECTIONS: usize = 12;
 const PARTS: [f64; 3] = [1.0, 0.7, 0.35];
 
 /// An ellipsoid around a strobe of a stable orbit, in which trajectories stay with the orbit.
@@ -35,9 +35,9 @@ pub struct Neighbourhood {
     /// Index of the attractor.
     pub attractor: usize,
     /// The strobe.
-    pub centre: Vector4<f64>,
+    pub centre: DVector<f64>,
     /// A matrix A: the points z with |A (z − p)| < 1 are within.
-    shape: Matrix4<f64>,
+    shape: DMatrix<f64>,
     /// The smallest half axis of the ellipsoid.
     pub radius: f64,
 }
@@ -45,8 +45,10 @@ pub struct Neighbourhood {
 impl Neighbourhood {
     /// True if a state is within.
     #[inline]
-    pub fn holds(&self, at: &Vector4<f64>) -> bool {
-        (self.shape * (at - self.centre)).norm_squared() < 1.0
+    pub fn holds(&self, at: &[f64]) -> bool {
+        let off = |j: usize| at[j] - self.centre[j];
+        let part = |row: usize| (0..at.len()).map(|j| self.shape[(row, j)] * off(j)).sum::<f64>();
+        (0..at.len()).map(|row| part(row).powi(2)).sum::<f64>() < 1.0
     }
 }
 
@@ -61,9 +63,8 @@ pub fn neighbourhoods<S: Coordinates + Clone>(
     for (index, attractor) in attractors.iter().enumerate() {
         let periods = attractor.periods();
         for strobe in attractor.strobes.iter().chain(attractor.mirrored.iter().flatten()) {
-            // Of one absorber on one mode.
-            let Ok(centre) = <[f64; 4]>::try_from(strobe.numbers()) else { continue };
-            let around = Around { trajectory, centre: centre.into(), periods, cancel };
+            let centre = DVector::from_column_slice(strobe.numbers());
+            let around = Around { trajectory, centre, periods, cancel };
             all.extend(around.neighbourhood(index));
         }
     }
@@ -72,15 +73,15 @@ pub fn neighbourhoods<S: Coordinates + Clone>(
 
 /// The end of some cycles.
 struct End {
-    at: Vector4<f64>,
+    at: DVector<f64>,
     impacts: u64,
-    derivative: Matrix4<f64>,
+    derivative: DMatrix<f64>,
 }
 
 /// What is known of a strobe.
 struct Around<'a, S: Coordinates> {
     trajectory: &'a Trajectory<S>,
-    centre: Vector4<f64>,
+    centre: DVector<f64>,
     periods: usize,
     cancel: Option<&'a AtomicBool>,
 }
@@ -88,27 +89,29 @@ struct Around<'a, S: Coordinates> {
 impl<S: Coordinates + Clone> Around<'_, S> {
     /// The image of a point after the periods of the orbit: `None` if it is not in the gap; the end is `None` if a cycle does not
     /// end.
-    fn end(&self, at: &Vector4<f64>, tangents: bool) -> Option<Option<End>> {
+    fn end(&self, at: &DVector<f64>, tangents: bool) -> Option<Option<End>> {
         let system = &self.trajectory.system;
-        let state = system.begin_at(&system.start_at(at)?, Clock::new(self.trajectory.cycle.begin));
+        let state = state_at(system, at, self.trajectory.cycle.begin)?;
         let mut trajectory = self.trajectory.from(&state);
-        let (mut impacts, mut derivative) = (0, Matrix4::identity());
+        let (mut impacts, mut derivative) = (0, DMatrix::identity(at.len(), at.len()));
         for _ in 0..self.periods {
             let Ok(image) = map(&trajectory, tangents, self.cancel) else { return Some(None) };
             if image.outcome != Outcome::Finished {
                 return Some(None);
             }
-            derivative = image.tangent.unwrap_or_default() * derivative;
+            if let Some(tangent) = image.tangent {
+                derivative = tangent.matrix * derivative;
+            }
             impacts += image.impacts;
             trajectory.state = image.state;
         }
-        Some(Some(End { at: system.coordinates(&trajectory.state), impacts, derivative }))
+        Some(Some(End { at: system.point(&trajectory.state), impacts, derivative }))
     }
 
     fn neighbourhood(&self, attractor: usize) -> Option<Neighbourhood> {
         let orbit = self.end(&self.centre, true)??;
         let factor = norm(&orbit.derivative)?;
-        let inverse = factor.try_inverse()?;
+        let inverse = factor.clone().try_inverse()?;
         let size = self.trajectory.system.clearance().max(self.centre.amax());
         // V is at least |z − p|²: no point of the ellipsoid is further away than its radius.
         let mut radius = size;
@@ -116,7 +119,12 @@ impl<S: Coordinates + Clone> Around<'_, S> {
             if self.is_kept(radius, (&factor, &inverse), orbit.impacts) {
                 let shape = factor / (0.5 * radius);
                 let radius = 1.0 / shape.norm();
-                return Some(Neighbourhood { attractor, centre: self.centre, shape, radius });
+                return Some(Neighbourhood {
+                    attractor,
+                    centre: self.centre.clone(),
+                    shape,
+                    radius,
+                });
             }
             radius *= 0.5;
         }
@@ -127,20 +135,21 @@ impl<S: Coordinates + Clone> Around<'_, S> {
     fn is_kept(
         &self,
         radius: f64,
-        (factor, inverse): (&Matrix4<f64>, &Matrix4<f64>),
+        (factor, inverse): (&DMatrix<f64>, &DMatrix<f64>),
         impacts: u64,
     ) -> bool {
-        (0..DIRECTIONS).all(|k| {
-            let direction = inverse * direction(k);
+        let count = self.centre.len();
+        (0..DIRECTIONS * count).all(|k| {
+            let direction = inverse * direction(k, count);
             PARTS.iter().all(|part| {
-                let off = direction * (radius * part);
-                match self.end(&(self.centre + off), false) {
+                let off = &direction * (radius * part);
+                match self.end(&(&self.centre + &off), false) {
                     // No state is there.
                     None => true,
                     Some(None) => false,
                     Some(Some(end)) => {
                         let [before, after] =
-                            [off, end.at - self.centre].map(|z| (factor * z).norm_squared());
+                            [&off, &(end.at - &self.centre)].map(|z| (factor * z).norm_squared());
                         end.impacts == impacts && after <= before - 0.5 * off.norm_squared()
                     }
                 }
@@ -150,33 +159,34 @@ impl<S: Coordinates + Clone> Around<'_, S> {
 }
 
 /// A matrix A with |A z|² = Σ |Mᵏ z|²; `None` if the sum does not end.
-fn norm(monodromy: &Matrix4<f64>) -> Option<Matrix4<f64>> {
-    let (mut sum, mut power) = (Matrix4::identity(), *monodromy);
+fn norm(monodromy: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let count = monodromy.ncols();
+    let (mut sum, mut power) = (DMatrix::identity(count, count), monodromy.clone());
     for _ in 0..MOST_DOUBLINGS {
         if power.norm() < f64::EPSILON {
             break;
         }
-        sum += power.transpose() * sum * power;
-        power *= power;
+        sum += power.transpose() * &sum * &power;
+        power = &power * &power;
     }
     let ends = power.norm() < 1.0 && sum.iter().all(|it| it.is_finite());
     ends.then(|| sum.cholesky()).flatten().map(|factors| factors.l().transpose())
 }
 
-/// A unit vector: both senses of the axes first, then directions that fill the sphere evenly, by the multiples of powers of a
-/// number (M. Roberts, R₄).
-fn direction(k: u32) -> Vector4<f64> {
-    let mut unit = Vector4::zeros();
-    if k < 8 {
-        unit[(k / 2) as usize] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+/// A unit vector of so many numbers: both senses of the axes first, then directions that fill the sphere evenly, by the multiples of
+/// powers of a number (M. Roberts, Rₙ).
+fn direction(k: usize, count: usize) -> DVector<f64> {
+    let mut unit = DVector::zeros(count);
+    if k < 2 * count {
+        unit[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         return unit;
     }
-    // The root of g⁵ = g + 1.
-    const ROOT: f64 = 1.1673039782614187;
+    // The root of gⁿ⁺¹ = g + 1.
+    let root = (0..MOST_DOUBLINGS).fold(1.0, |g: f64, _| (1.0 + g).powf(1.0 / (count + 1) as f64));
     let mut share = 1.0;
-    for place in 0..4 {
-        share /= ROOT;
-        unit[place] = 2.0 * (f64::from(k) * share).fract() - 1.0;
+    for part in unit.iter_mut() {
+        share /= root;
+        *part = 2.0 * (k as f64 * share).fract() - 1.0;
     }
     unit.normalize()
 }

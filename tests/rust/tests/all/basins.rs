@@ -123,8 +123,9 @@ fn neighbourhoods_hold_what_stays() {
             let mut tried = 0;
             while tried < 200 {
                 let off = Vector4::zeros().map(|_: f64| 2.0 * it.radius * rng.range(-1.0, 1.0));
-                let at = it.centre + off;
-                let Some(start) = scene.system.start_at(&at).filter(|_| it.holds(&at)) else {
+                let at = Vector4::from_column_slice(it.centre.as_slice()) + off;
+                let Some(start) = scene.system.start_at(&at).filter(|_| it.holds(at.as_slice()))
+                else {
                     continue;
                 };
                 tried += 1;
@@ -132,7 +133,7 @@ fn neighbourhoods_hold_what_stays() {
                 for _ in 0..100 {
                     one.state = map(&one, false, None).unwrap().state;
                 }
-                let left = (scene.system.coordinates(&one.state) - it.centre).amax();
+                let left = (scene.system.point(&one.state) - &it.centre).amax();
                 assert!(left < 0.1 * it.radius, "{left} of {}", it.radius);
             }
         }

@@ -16,6 +16,7 @@ use iva_core::{
     simulate::Outcome,
     siva::Siva,
 };
+use nalgebra::Vector4;
 
 /// Family A of the references (μ = .2, e = .7, ζ = .05, F = Ω = 1) with clearances, from one start.
 fn family(clearances: impl Iterator<Item = f64>) -> Vec<Trajectory<Siva<DrivenHost>>> {
@@ -31,7 +32,7 @@ fn family(clearances: impl Iterator<Item = f64>) -> Vec<Trajectory<Siva<DrivenHo
 }
 
 /// Number of cycles after which the strobes of a column repeat, if they do.
-fn period(column: &Column) -> Option<usize> {
+fn period(column: &Column<Vector4<f64>>) -> Option<usize> {
     let strobes = &column.strobes;
     let off =
         |n: &usize| (strobes[strobes.len() - 1 - n].at - strobes[strobes.len() - 1].at).amax();

@@ -1,5 +1,5 @@
 //! Periodic orbits of several members, and on several modes: derivatives against differences, the product of the multipliers against its exact
-//! value.
+//! value; exponents, neighbourhoods and diagrams against the orbits.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -15,8 +15,14 @@ use iva_core::{
     observe::Events,
     orbit::{
         Coordinates, Cycle, Trajectory,
+        attractors::{Search, attractors},
+        basins::{Ending, basins},
         description::describe,
+        diagram::{Direction, diagram},
+        lyapunov::{Window, lyapunov},
         map,
+        multipliers::Complex,
+        neighbourhood::neighbourhoods,
         periodic::{Orbit, find},
         spectrum::spectrum,
     },
@@ -203,4 +209,82 @@ fn orbits_have_the_known_product_of_their_multipliers() {
     }
     assert!(found.iter().sum::<i32>() > 8 && known > 3, "{found:?} {known}");
     assert!(worst < 1e-12, "{worst:e}");
+}
+
+/// On a stable orbit they are ln |λ| over the time of its cycle, −∞ where λ is 0; their sum is exact where no one rides.
+#[test]
+fn exponents_are_the_logarithms_of_multipliers() {
+    let mut rng = Rng::new(5);
+    let (mut compared, mut lost, mut summed) = (0, 0, 0);
+    for kind in 0..KINDS.len() {
+        let Some(orbit) = settled(kind, &mut rng).filter(Orbit::is_stable) else { continue };
+        let description = describe(&orbit, None).unwrap();
+        let known = spectrum(&orbit, &description, None).unwrap();
+        let length = orbit.trajectory.cycle.length;
+        let window = Window { discard: 60, keep: 32 };
+        let found = lyapunov(&[orbit.trajectory], window, None).unwrap();
+        assert_eq!(found.exponents.len(), known.multipliers.len());
+        for (exponent, multiplier) in found.exponents.iter().zip(&known.multipliers) {
+            let truth = multiplier.norm().ln() / length;
+            lost += usize::from(truth == f64::NEG_INFINITY);
+            // Of a pair, and of others of like size, directions turn: the mean over so many cycles is off by a bounded share of one.
+            let size = multiplier.norm();
+            let like_size = |it: &&Complex<f64>| it.norm() < 2.0 * size && size < 2.0 * it.norm();
+            let turns = known.multipliers.iter().filter(like_size).count() > 1;
+            let near = 2e-6 + if turns { 3.0 / (32.0 * length) } else { 0.0 };
+            let like = *exponent == truth || (exponent - truth).abs() < near;
+            assert!(like, "{}: {:?} {:?}", KINDS[kind], found.exponents, known.multipliers);
+            compared += 1;
+        }
+        if let Some(error) = found.sum_error {
+            summed += 1;
+            assert!(error.abs() < 1e-12, "{}: {error:e}", KINDS[kind]);
+        }
+    }
+    assert!(compared > 15 && lost > 0, "{compared} {lost} {summed}");
+}
+
+/// Starts end where a run of many cycles is; a diagram without a change of the scene has the strobes of the map.
+#[test]
+fn starts_end_where_their_runs_do() {
+    let mut rng = Rng::new(21);
+    let (mut decided, mut tried) = ([0; 7], 0);
+    for kind in [0, 1, 3, 4, 5] {
+        let (system, length) = system(kind, &mut rng);
+        let cycle = Cycle { begin: 0.0, length };
+        let begun =
+            |rng: &mut Rng| Trajectory::new(system.clone(), &start(&system, rng), cycle).unwrap();
+        let all: Vec<_> = (0..6).map(|_| begun(&mut rng)).collect();
+        let search = Search { most_periods: 4, most_cycles: 150, join_mirrored: false };
+        let found = attractors(&all, search, None).unwrap();
+        let near = neighbourhoods(&all[0], &found.attractors, None);
+        let cells = basins(&all, &near, 150, None).unwrap();
+        for (trajectory, cell) in all.iter().zip(&cells) {
+            tried += 1;
+            let Ending::Attractor(index) = cell.ending else { continue };
+            let mut at = trajectory.clone();
+            for _ in 0..300 {
+                at.state = map(&at, false, None).unwrap().state;
+            }
+            let strobe = system.strobe(&at.state);
+            let near = found.attractors[index].is_near(&strobe, system.clearance());
+            assert!(near || !cell.is_sure(), "{}", KINDS[kind]);
+            decided[kind] += 1;
+        }
+        let window = Window { discard: 1, keep: 2 };
+        let same = [all[0].clone(), all[0].clone()];
+        let columns = diagram(&same, Direction::Up, window, None, None).unwrap();
+        let mut at = all[0].clone();
+        for column in &columns {
+            at.state = map(&at, false, None).unwrap().state;
+            for strobe in &column.strobes {
+                at.state = map(&at, false, None).unwrap().state;
+                assert_eq!(strobe.at, system.strobe(&at.state));
+            }
+            // The next value begins from the numbers of the last state.
+            let again = system.start_at_strobe(&system.strobe(&at.state)).unwrap();
+            at = Trajectory::new(system.clone(), &again, cycle).unwrap();
+        }
+    }
+    assert!(decided.iter().sum::<i32>() > 12, "{decided:?} of {tried}");
 }

@@ -117,7 +117,7 @@ fn maps_have_the_derivatives_of_differences() {
                 continue;
             }
             rides += image.rides;
-            let tangent = image.tangent.unwrap();
+            let tangent = image.tangent.unwrap().matrix;
             let moved = |by: Vector4<f64>| {
                 let start = system.start_at(&(at + by))?;
                 let state = system.begin_at(&start, Clock::ZERO);

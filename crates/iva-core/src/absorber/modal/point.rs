@@ -32,6 +32,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         modes.chain(gaps).collect()
     }
 
+    /// Which of them are y from the middle of a gap, each with its member.
+    pub(crate) fn gaps_of_point(&self) -> Vec<(usize, usize)> {
+        let modes = 2 * self.modes_alone().count();
+        self.placed_members().enumerate().map(|(i, k)| (modes + 2 * i, k)).collect()
+    }
+
     /// The point of a state.
     pub(crate) fn point_of(&self, state: &ModalState<H, N, M>) -> Vec<R> {
         let of_modes = |all: &[_]| -> Vec<R> { self.modes_alone().map(|j| all[j]).collect() };

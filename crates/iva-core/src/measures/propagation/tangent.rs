@@ -29,11 +29,26 @@ pub(super) fn released() -> Matrix4<f64> {
 pub trait Derivative<S: Absorber<Real = f64>>: Observer<S> + Default {
     /// The derivative since this was last called, or since the begin of the run; from here on it is that of what follows.
     fn factor(&mut self, system: &S) -> DMatrix<f64>;
+    /// The determinant since the begin of the run, where it is known more exactly than that of the derivative.
+    fn volume(&self) -> Option<f64> {
+        None
+    }
+    /// How many of the numbers are lost at one instant since the begin of the run, at the most: two of each absorber that rides, and one of
+    /// another that friction holds or that has a plastic impact; `rides` is the number of rides.
+    fn lost(&self, rides: u64) -> usize;
 }
 
 impl<S: Differentiable> Derivative<S> for Tangent {
     fn factor(&mut self, _system: &S) -> DMatrix<f64> {
         DMatrix::from_column_slice(4, 4, self.take().as_slice())
+    }
+
+    fn volume(&self) -> Option<f64> {
+        Some(self.volume)
+    }
+
+    fn lost(&self, rides: u64) -> usize {
+        if rides > 0 { 2 } else { usize::from(self.volume == 0.0) }
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Tangents {
     carried: Vec<bool>,
     /// The instant at which the current motion of a linear system has begun; `None` of another, whose motions are taken part by part.
     begun: Option<Clock>,
+    /// How many numbers were lost at one instant, at the most.
+    lost: usize,
 }
 
 impl Tangents {
@@ -34,8 +36,26 @@ impl Tangents {
 
     fn carry<S: DifferentiableList>(&mut self, system: &S, map: &DMatrix<f64>, after: &S::State) {
         self.product = map * &self.product;
-        self.carried = system.carried(after, false);
+        self.hold(system, after, system.carried(after, false));
     }
+
+    /// These members are carried from a state on.
+    fn hold<S: DifferentiableList>(&mut self, system: &S, state: &S::State, carried: Vec<bool>) {
+        self.lost = self.lost.max(held(system, state, &carried));
+        self.carried = carried;
+    }
+}
+
+/// How many numbers carried members have lost: the rate of each and, on a wall, the place.
+fn held<S: DifferentiableList>(system: &S, state: &S::State, carried: &[bool]) -> usize {
+    let held = (0..carried.len()).filter(|k| carried[*k]);
+    held.map(|k| if system.approach_of(state, k)[0] == 0.0 { 2 } else { 1 }).sum()
+}
+
+/// True if an impact of a member in a state takes all of its gap velocity.
+fn is_plastic<S: DifferentiableList>(system: &S, before: &S::State, member: usize) -> bool {
+    let wall = system.wall(&system.turned_to(before, member));
+    system.law_of(member, wall, -system.approach_of(before, member)[1]).restitution == 0.0
 }
 
 impl<S: DifferentiableList> Derivative<S> for Tangents {
@@ -44,6 +64,10 @@ impl<S: DifferentiableList> Derivative<S> for Tangents {
         let size = self.product.nrows();
         let product = std::mem::replace(&mut self.product, DMatrix::identity(size, size));
         (product * by_numbers).select_rows(&numbers)
+    }
+
+    fn lost(&self, _rides: u64) -> usize {
+        self.lost
     }
 }
 
@@ -61,7 +85,8 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
                 product[(y, y)] = 0.0;
             }
         }
-        *self = Self { product, carried, begun };
+        *self = Self { product, begun, ..Self::default() };
+        self.hold(system, &from.state, carried);
     }
 
     fn looks_within(&self) -> bool {
@@ -74,8 +99,8 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
         }
         let from = span.motion.origin();
         let carried = system.carried(from, false);
-        let flow = system.fine_flow(from, &carried, span.length);
-        (self.product, self.carried) = (flow * &self.product, carried);
+        self.product = system.fine_flow(from, &carried, span.length) * &self.product;
+        self.hold(system, from, carried);
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
@@ -84,6 +109,8 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
         if !(summed || struck.is_empty()) {
             self.end_motion(system, states[0], Clock::new(time));
             let (map, _) = jumps::saltation(system, &struck, states, &self.carried);
+            let plastic = struck.iter().filter(|k| is_plastic(system, states[0], **k)).count();
+            self.lost = self.lost.max(held(system, states[0], &self.carried) + plastic);
             self.carry(system, &map, states[1]);
         }
     }
@@ -91,7 +118,7 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
     fn stick(&mut self, system: &S, from: &Instant<S::State>) {
         let carried = system.carried(&from.state, true);
         self.product = system.stick_matrix(&from.state, &carried) * &self.product;
-        self.carried = carried;
+        self.hold(system, &from.state, carried);
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
