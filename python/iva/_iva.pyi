@@ -68,10 +68,9 @@ _Spec = dict[str, Any]
 _Chain = tuple[Sequence[int], Sequence[bool], bool, int]
 _Point = tuple[_Chain, tuple[str, int, int], float, Sequence[float]]
 _Steps = tuple[tuple[float, float], float, int]
-_Numbers = tuple[float, float, float, float]
 _Range = tuple[float, float]
 _Progress = Callable[[int, int, int], object]
-_Starts = tuple[int, int, tuple[_Range, _Range, _Range, _Range] | None, bool]
+_Starts = tuple[int, int, Sequence[_Range] | None, bool]
 
 class IvaError(RuntimeError): ...
 
@@ -247,7 +246,7 @@ def basins(
     spec: _Spec,
     over: tuple[str, str],
     values: tuple[Sequence[float], Sequence[float]],
-    orbits: Sequence[_Numbers] | None,
+    orbits: Sequence[Sequence[float]] | None,
     limits: tuple[int, int, int],
     progress: _Progress | None,
 ) -> dict[str, Any]: ...

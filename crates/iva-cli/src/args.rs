@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use iva_store::table_file::{Format, Style};
-use iva_sweep::dynamics::starts::NAMES;
+use iva_sweep::dynamics::starts::{NAMES, place_of};
 use iva_sweep::fields::nearest;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::MAX_THREADS;
@@ -321,7 +321,7 @@ pub struct DiagramArgs {
 /// A number of the start with values at equal distances.
 #[derive(Debug, Clone, Copy)]
 pub struct AxisOfStarts {
-    /// The place of the number in [`NAMES`].
+    /// The place of the number, see [`place_of`].
     pub place: usize,
     /// The smallest value.
     pub low: f64,
@@ -337,11 +337,13 @@ impl std::str::FromStr for AxisOfStarts {
     fn from_str(text: &str) -> Result<Self, String> {
         let rule = || {
             let names = NAMES.join(", ");
-            format!("give NAME,LOW,HIGH,COUNT with a name out of {names}")
+            format!(
+                "give NAME,LOW,HIGH,COUNT with a name out of {names}; of several absorbers with an index, as in gap_velocity.1"
+            )
         };
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         let [name, low, high, count] = parts[..] else { return Err(rule()) };
-        let place = NAMES.iter().position(|it| *it == name).ok_or_else(rule)?;
+        let place = place_of(name).ok_or_else(rule)?;
         let number = |text: &str| text.parse::<f64>().ok().filter(|it| it.is_finite());
         let (low, high) = number(low).zip(number(high)).ok_or_else(rule)?;
         let count = count.parse().ok().filter(|count| *count > 0).ok_or_else(rule)?;

@@ -8,7 +8,7 @@ use iva_study::study_file::StudyFile;
 use iva_sweep::Invalid;
 use iva_sweep::dynamics::basins::{Asked, Basins, CUT, Plane, basins};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window, diagram};
-use iva_sweep::dynamics::starts::{NAMES, Numbers};
+use iva_sweep::dynamics::starts::{NAMES, Numbers, name_of};
 use iva_sweep::dynamics::{Found, Outcome};
 use iva_sweep::sweep::SweepError;
 
@@ -59,11 +59,14 @@ pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
     if found.is_empty() {
         unless_interrupted(cancel)?;
     }
-    let mut table = format!("{},direction,{},impacts\n", args.over, NAMES.join(","));
+    let count = found.iter().flat_map(|it| &it.states).map(Vec::len).max().unwrap_or(NAMES.len());
+    let names: Vec<String> = (0..count).map(|place| name_of(place, count)).collect();
+    let mut table = format!("{},direction,{},impacts\n", args.over, names.join(","));
     for strobes in &found {
         for (state, impacts) in strobes.states.iter().zip(&strobes.impacts) {
             let way = name(strobes.direction);
-            let numbers = state.map(|number| number.to_string()).join(",");
+            let numbers: Vec<String> = state.iter().map(f64::to_string).collect();
+            let numbers = numbers.join(",");
             let _ = writeln!(table, "{},{way},{numbers},{impacts}", strobes.value);
         }
     }
@@ -145,7 +148,8 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
     if finished == 0 {
         unless_interrupted(cancel)?;
     }
-    let mut table = format!("{},{},label,likely,cycles\n", NAMES[across], NAMES[up]);
+    let names = [across, up].map(named);
+    let mut table = format!("{},label,likely,cycles\n", names.join(","));
     let width = plane.values[0].len();
     for (index, label) in found.labels.iter().enumerate().filter(|(_, label)| **label != CUT) {
         let (x, y) = (plane.values[0][index % width], plane.values[1][index / width]);
@@ -161,10 +165,15 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
     Err(interrupted(report, &kept, args.csv.as_deref()))
 }
 
+/// The name of a number of the start, with the index of its absorber from the second one on.
+fn named(place: usize) -> String {
+    name_of(place, if place < NAMES.len() { NAMES.len() } else { place + 1 })
+}
+
 /// Checks that a plane has two numbers, and not too many cells.
 fn check_plane(BasinsArgs { across, up, .. }: &BasinsArgs) -> Result<(), Error> {
     if across.place == up.place {
-        let name = NAMES[up.place];
+        let name = named(up.place);
         let rule = "it goes across already; give another number of the start";
         return Err(Error::Refused(format!("--up {name}: {rule}")));
     }
@@ -179,11 +188,11 @@ fn check_plane(BasinsArgs { across, up, .. }: &BasinsArgs) -> Result<(), Error> 
 
 /// The error for an invalid value: of a number of the plane, or of the study.
 fn blame(args: &BasinsArgs, file: &StudyFile, invalid: &Invalid) -> Error {
-    let of = |axis: &AxisOfStarts| format!("start.{}", NAMES[axis.place]) == invalid.field;
+    let of = |axis: &AxisOfStarts| format!("start.{}", named(axis.place)) == invalid.field;
     match [("--across", args.across), ("--up", args.up)].iter().find(|(_, axis)| of(axis)) {
         Some((option, axis)) => {
             let AxisOfStarts { place, low, high, count } = axis;
-            let given = format!("{option} {},{low},{high},{count}", NAMES[*place]);
+            let given = format!("{option} {},{low},{high},{count}", named(*place));
             Error::Refused(format!("{given}: {invalid}"))
         }
         None => file.source.locate(invalid).into(),

@@ -4,7 +4,7 @@ use iva_sweep::dynamics::attractors::Inventory;
 use iva_sweep::dynamics::basins::{Asked, Basins, CUT, LeftOut, Plane};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window};
 use iva_sweep::dynamics::lyapunov::Exponents;
-use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within};
+use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within, name_of, place_of};
 use iva_sweep::dynamics::{self as engine, Family, Outcome};
 use iva_sweep::slot::Slot;
 use pyo3::exceptions::PyValueError;
@@ -63,10 +63,10 @@ pub fn diagram<'py>(
     dict.set_item("directions", parts.iter().map(name).collect::<Vec<_>>())?;
     dict.set_item("outcomes", parts.iter().map(|it| it.outcome.name()).collect::<Vec<_>>())?;
     dict.set_item("counts", per_value(|it| it.states.len()))?;
-    for (axis, name) in NAMES.into_iter().enumerate() {
-        let column = parts.iter().flat_map(|it| it.states.iter().map(move |state| state[axis]));
-        dict.set_item(name, column.collect::<Vec<_>>())?;
-    }
+    let count = parts.iter().flat_map(|it| &it.states).map(Vec::len).max().unwrap_or(NAMES.len());
+    dict.set_item("names", (0..count).map(|axis| name_of(axis, count)).collect::<Vec<_>>())?;
+    let states = parts.iter().flat_map(|it| it.states.iter().cloned());
+    dict.set_item("states", states.collect::<Vec<_>>())?;
     let impacts = parts.iter().flat_map(|it| it.impacts.iter().copied());
     dict.set_item("impacts", impacts.collect::<Vec<_>>())?;
     Ok(dict)
@@ -86,7 +86,7 @@ pub fn lyapunov<'py>(
     let window = Window { discard: window.0, keep: window.1 };
     let Family { period, scale, .. } = Family::new(&spec, None, 1).map_err(invalid)?;
     let work = move |shared: &worker::Shared| {
-        engine::lyapunov::lyapunov(&spec, starts, window, shared.tracker())
+        engine::lyapunov::lyapunov(&spec, &starts, window, shared.tracker())
     };
     let (found, cut) = worker::run_partly(py, progress.as_ref(), work)?;
     let Exponents { spectrum, dimension, bounds } = found.map_err(failed)?;
@@ -122,7 +122,12 @@ pub fn attractors<'py>(
     let count = starts.count;
     let progress = progress.map(|callback| worker::Progress { callback, total: count });
     let work = move |shared: &worker::Shared| {
-        engine::attractors::attractors(&spec, starts, (most_periods, most_cycles), shared.tracker())
+        engine::attractors::attractors(
+            &spec,
+            &starts,
+            (most_periods, most_cycles),
+            shared.tracker(),
+        )
     };
     let (found, cut) = worker::run_partly(py, progress.as_ref(), work)?;
     let found = found.map_err(failed)?;
@@ -142,7 +147,7 @@ pub fn attractors<'py>(
     dict.set_item("aperiodic_start", aperiodic_start)?;
     let outcomes = unfinished.iter().map(|it| it.name());
     dict.set_item("unfinished", outcomes.collect::<Vec<_>>())?;
-    dict.set_item("box", found.bounds)?;
+    dict.set_item("box", &found.bounds)?;
     dict.set_item("left_out", reasons(&found.left_out))?;
     Ok(dict)
 }
@@ -197,8 +202,7 @@ pub fn basins<'py>(
 
 /// The place of a number of the start.
 fn axis(name: &str) -> PyResult<usize> {
-    let place = NAMES.iter().position(|it| *it == name);
-    place.ok_or_else(|| {
+    place_of(name).ok_or_else(|| {
         PyValueError::new_err(format!("over = {name}: give two of {}", NAMES.join(", ")))
     })
 }

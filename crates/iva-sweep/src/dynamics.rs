@@ -135,7 +135,7 @@ pub fn orbit(
     asked: Asked,
     cancel: &AtomicBool,
 ) -> Result<Result<Found, Missed>, Invalid> {
-    let family = Family::of_all(spec.clone(), asked.periods)?;
+    let family = Family::new(spec, None, asked.periods)?;
     let odd = asked.periods % 2 == 1;
     if asked.symmetric == Some(true) && !(family.mirrors && odd) {
         let rule = if odd {

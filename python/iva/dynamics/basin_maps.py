@@ -12,14 +12,15 @@ from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES
 from iva.dynamics.inventories import Attractors
-from iva.dynamics.orbits import Orbit
-from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
+from iva.dynamics.orbits import Orbit, scene_told
+from iva.dynamics.search import MOST_PERIODS, alone_or_all, members, orbit_of, start_of, whole
+from iva.dynamics.starts import is_name, names_of
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
+from iva.parameters import Absorbers, Primary, Start, numbers, shown
 from iva.progress import Progress, reporting
-from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -47,9 +48,9 @@ class Basins:
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
+    absorber : Siva, Piva, Stop, or a list of them
         The absorber.
-    primary : Primary
+    primary : Primary or Structure
         The primary system.
     force : Harmonic
         The force.
@@ -93,8 +94,9 @@ class Basins:
     (2, 3)
     """
 
-    absorber: Absorber
-    primary: Primary
+    # Any: an absorber or a list, a primary or a structure, as they were given.
+    absorber: Any
+    primary: Any
     force: Drive
     start: Start
     over: tuple[str, str]
@@ -145,9 +147,7 @@ class Basins:
             of = self.boundary_entropy
             boundary = "" if of is None else f", of the boundary {of:.4g}"
             lines.append(f"  entropy {self.entropy:.4g}{boundary} (boxes of {self.side} cells)")
-        parts = (self.absorber, self.primary, *listed(self.force), self.start)
-        lines += [f"  {line}" for line in scene_lines(*parts)]
-        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        lines += scene_told(self.absorber, self.primary, *listed(self.force), self.start)
         return "\n".join(lines)
 
     def name_of(self, label: int) -> str:
@@ -175,8 +175,8 @@ class Basins:
 
 @spell_checked
 def basins(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     over: Mapping[str, Iterable[float]],
@@ -191,22 +191,23 @@ def basins(
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, as for :func:`orbit`.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
         other: a period is then the shortest after which all of them repeat.
     over : mapping of str to sequence of float
         The number across and the number up with their values: two of ``displacement``,
-        ``velocity``, ``gap_displacement`` and ``gap_velocity``.
+        ``velocity``, ``gap_displacement`` and ``gap_velocity``, of several absorbers with the index
+        of one, as in ``gap_velocity.1``.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
         The other two numbers and the instant, as for :func:`orbit`; 0 by default.
     attractors : Attractors or sequence of Orbit, optional
         The attractors to tell apart, stable orbits of the same scene at the phase of the start;
         their labels are their indices. Of :class:`Attractors` the two orbits of a mirror pair have
-        a label each. By default those that up to 256 of the cells end in.
+        a label each. Of several modes they are found from the cells only. By default those that up to 256 of the cells end in.
     most_cycles : int, default 150
         Most periods of the force that are run from each cell; what has come to no orbit by then is
         undecided, as is what ends in chaos or on a torus.
@@ -249,9 +250,10 @@ def basins(
     >>> found.labels.shape, len(found.attractors)
     ((8, 12), 2)
     """
-    names, values = plane(over)
+    absorber = alone_or_all(absorber)
+    names, values = plane(over, absorber)
     begin = Start() if start is None else start_of(start, absorber)
-    made = scene(absorber, primary, begin, force, {})
+    made = scene(absorber, primary, begin, force, {}, several=True)
     warn_of_doubts(made)
     given = None
     if attractors is not None:
@@ -291,7 +293,9 @@ def basins(
     )
 
 
-def plane(over: object) -> tuple[tuple[str, str], tuple[list[float], list[float]]]:
+def plane(
+    over: object, absorber: object
+) -> tuple[tuple[str, str], tuple[list[float], list[float]]]:
     """Return names and values of the two numbers of a grid.
 
     Raises
@@ -301,10 +305,10 @@ def plane(over: object) -> tuple[tuple[str, str], tuple[list[float], list[float]
     ValueError
         If there are not two numbers of the start, or there are too many cells.
     """
-    rule = f"give values of two of {', '.join(NAMES)}"
+    rule = f"give values of two of {', '.join(names_of(2 + 2 * members(absorber)))}"
     if not isinstance(over, Mapping):
         raise TypeError(f"over = {shown(over)}: {rule}")
-    if len(over) != 2 or not set(over) <= set(NAMES):
+    if len(over) != 2 or not all(is_name(name, absorber) for name in over):
         raise ValueError(f"over of {shown(list(over))}: {rule}")
     across, up = over
     one, other = (numbers(f"over[{name!r}]", over[name]) for name in (across, up))

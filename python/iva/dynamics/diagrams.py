@@ -7,19 +7,19 @@ from dataclasses import dataclass, field
 
 from iva import _iva
 from iva.doubts import warn_of_doubts
-from iva.dynamics.orbits import Orbit
-from iva.dynamics.search import NAMES, start_of, whole
+from iva.dynamics.orbits import Orbit, scene_told
+from iva.dynamics.search import alone_or_all, start_of, whole
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorber, Primary, Start, numbers, shown, spec
+from iva.parameters import Absorbers, Primary, Start, numbers, shown
 from iva.progress import Progress, reporting
-from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from typing import Literal
+    from typing import Any, Literal
 
     import polars as pl
 
@@ -61,9 +61,9 @@ class Diagram:
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
+    absorber : Siva, Piva, Stop, or a list of them
         The absorber; the number that is changed has the value of the scene that was given.
-    primary : Primary
+    primary : Primary or Structure
         The primary system.
     force : Harmonic
         The force.
@@ -88,23 +88,27 @@ class Diagram:
     [20, 20, 20, 20, 20, 20]
     """
 
-    absorber: Absorber
-    primary: Primary
+    # Any: an absorber or a list, a primary or a structure, as they were given.
+    absorber: Any
+    primary: Any
     force: Drive
     start: Start
     over: str
     discard: int
     keep: int
     outcomes: tuple[Outcome, ...]
-    #: Four numbers of each strobe, and its impacts, in the order of the outcomes.
-    strobes: tuple[tuple[float, float, float, float, int], ...] = field(repr=False)
+    #: The names of the numbers of a strobe.
+    names: tuple[str, ...] = field(repr=False)
+    #: The numbers of each strobe, and its impacts, in the order of the outcomes.
+    strobes: tuple[tuple[float, ...], ...] = field(repr=False)
 
     @property
     def table(self) -> pl.DataFrame:
         """Its strobes as a frame.
 
         One row a strobe: value, direction, cycle (from 0, of those kept), displacement, velocity,
-        gap_displacement, gap_velocity, and impacts in the period that ends there.
+        gap_displacement, gap_velocity (of several absorbers those of each, as in
+        ``gap_velocity.1``), and impacts in the period that ends there.
         """
         import polars as pl
 
@@ -114,7 +118,7 @@ class Diagram:
             for cycle in range(one.strobes)
         ]
         rows = [head + strobe for head, strobe in zip(heads, self.strobes, strict=True)]
-        floats = dict.fromkeys(NAMES, pl.Float64)
+        floats = dict.fromkeys(self.names, pl.Float64)
         schema = {"value": pl.Float64, "direction": pl.String, "cycle": pl.Int64, **floats}
         return pl.DataFrame(rows, {**schema, "impacts": pl.Int64}, orient="row")
 
@@ -128,16 +132,14 @@ class Diagram:
             f"{' and '.join(ways)}",
             f"  {self.keep} strobes each after {self.discard} periods, {bad} values not finished",
         ]
-        parts = (self.absorber, self.primary, *listed(self.force), self.start)
-        lines += [f"  {line}" for line in scene_lines(*parts)]
-        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        lines += scene_told(self.absorber, self.primary, *listed(self.force), self.start)
         return "\n".join(lines)
 
 
 @spell_checked
 def diagram(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     over: Mapping[str, Iterable[float]],
@@ -154,9 +156,9 @@ def diagram(
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, as for :func:`orbit`.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
@@ -211,8 +213,9 @@ def diagram(
     name, values = axis_of(over)
     if direction not in DIRECTIONS:
         raise ValueError(f"direction = {shown(direction)}: give 'both', 'up' or 'down'")
+    absorber = alone_or_all(absorber)
     begin = Start() if start is None else start_of(start, absorber)
-    made = scene(absorber, primary, begin, force, {})
+    made = scene(absorber, primary, begin, force, {}, several=True)
     warn_of_doubts(made)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("keep", keep, 1, MOST_CYCLES))
     with reporting(progress) as report:
@@ -220,7 +223,7 @@ def diagram(
     heads = zip(
         found["values"], found["directions"], found["outcomes"], found["counts"], strict=True
     )
-    columns = [found[one] for one in (*NAMES, "impacts")]
+    pairs = zip(found["states"], found["impacts"], strict=True)
     return Diagram(
         absorber=absorber,
         primary=primary,
@@ -230,7 +233,8 @@ def diagram(
         discard=window[0],
         keep=window[1],
         outcomes=tuple(Outcome(*head) for head in heads),
-        strobes=tuple(zip(*columns, strict=True)),
+        names=tuple(found["names"]),
+        strobes=tuple((*state, impacts) for state, impacts in pairs),
     )
 
 

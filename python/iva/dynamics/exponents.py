@@ -7,26 +7,25 @@ from dataclasses import dataclass
 from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES
-from iva.dynamics.orbits import Orbit
-from iva.dynamics.search import start_of, whole
-from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
+from iva.dynamics.orbits import Orbit, scene_told
+from iva.dynamics.search import alone_or_all, start_of, whole
+from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Range, box_of, boxed
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorber, Primary, Start, spec
+from iva.parameters import Absorbers, Primary, Start
 from iva.progress import reporting
-from iva.scene_lines import scene_lines
 from iva.scenes import scene
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from typing import Any
 
     from iva import theory
     from iva.progress import Progress
     from iva.simulation import Run
 
-#: Four numbers.
-Numbers = tuple[float, float, float, float]
 #: So many standard errors make a sign sure.
 SURE = 4.0
 #: Logarithm of the least factor by which neighbours separate in a run of chaos.
@@ -39,20 +38,22 @@ class Spectrum:
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
+    absorber : Siva, Piva, Stop, or a list of them
         The absorber.
-    primary : Primary
+    primary : Primary or Structure
         The primary system.
     force : Harmonic
         The force.
-    exponents : tuple of float, length 4
-        The exponents in 1/s (in ωn where no frequency is given), largest first. With
-        rides on a wall two are −∞, with plastic impacts one.
-    standard_errors : tuple of float, length 4
+    exponents : tuple of float, length 4 or more
+        The exponents in 1/s (in ωn where no frequency is given), largest first: as many as a state
+        has numbers. With rides on a wall two are −∞ (four where two absorbers ride at once), with
+        plastic impacts, or friction that holds an absorber, one.
+    standard_errors : tuple of float, of the same length
         Their standard errors, from blocks of periods or from whole runs, whichever are larger.
     sum_error : float or None
-        Their sum minus its exact value, (2 ln e) × (number of impacts per time) − 2 ζ ωn. ``None``
-        with rides, plastic impacts, unlike walls, or a pendulum.
+        Their sum minus its exact value, (2 ln e) × (number of impacts per time) − 2 ζ ωn, of
+        several modes with the sum of their ζ ω. ``None`` with rides, plastic impacts, friction,
+        unlike walls or restitutions, or a pendulum.
     dimension : float
         The dimension of the attractor in the section of the strobes, after J. L. Kaplan and J. A.
         Yorke.
@@ -68,15 +69,17 @@ class Spectrum:
     outcome : str
         ``finished``, or how the first run ended that did not: ``impact_limit``, ``work_limit``,
         ``not_finite``, or ``cancelled`` by Ctrl-C.
-    box : tuple of pairs of float, length 4
-        The box of the starts: displacement, velocity, gap displacement and gap velocity.
+    box : tuple of pairs of float, length 4 or more
+        The box of the starts: displacement, velocity, gap displacement and gap velocity, of
+        several absorbers the latter two of each.
     """
 
-    absorber: Absorber
-    primary: Primary
+    # Any: an absorber or a list, a primary or a structure, as they were given.
+    absorber: Any
+    primary: Any
     force: Drive
-    exponents: Numbers
-    standard_errors: Numbers
+    exponents: tuple[float, ...]
+    standard_errors: tuple[float, ...]
     sum_error: float | None
     dimension: float
     impacts_per_cycle: float
@@ -85,7 +88,7 @@ class Spectrum:
     cycles: int
     time: float
     outcome: str
-    box: Box
+    box: tuple[Range, ...]
 
     @property
     def sign(self) -> int:
@@ -108,17 +111,14 @@ class Spectrum:
             f"  dimension {self.dimension:.4g}, {self.impacts_per_cycle:.6g} impacts per period, "
             f"{self.rides} rides in {self.cycles} periods, {self.outcome}",
         ]
-        lines += [
-            f"  {line}" for line in scene_lines(self.absorber, self.primary, *listed(self.force))
-        ]
-        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        lines += scene_told(self.absorber, self.primary, *listed(self.force))
         return "\n".join(lines)
 
 
 @spell_checked
 def lyapunov(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     start: Start | Run | theory.Orbit | Orbit | Iterable[float] | None = None,
@@ -129,13 +129,13 @@ def lyapunov(
     box: Mapping[str, tuple[float, float]] | None = None,
     progress: bool | Progress = False,
 ) -> Spectrum:
-    """Compute the four Lyapunov exponents of a steady state, with standard errors.
+    """Compute the Lyapunov exponents of a steady state, with standard errors.
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, as for :func:`orbit`.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
@@ -154,7 +154,8 @@ def lyapunov(
         The seed of the random starts, 0 to 2⁶⁴ − 1.
     box : mapping of str to pair of float, optional
         The range of displacement, velocity, gap_displacement and gap_velocity that starts are drawn
-        from. By default displacement and velocity of the structure up to those of its steady state
+        from; of several absorbers a range of the gaps is that of all, and a list has one for each.
+        Of several modes displacement and velocity are those of the natural one. By default displacement and velocity of the structure up to those of its steady state
         without absorber, the whole gap, and gap velocities up to the same velocity.
     progress : bool or callable, default False
         As in :func:`iva.sweep`; a point is a run.
@@ -190,11 +191,12 @@ def lyapunov(
     """
     if start is not None and box is not None:
         raise ValueError("box: give it without a start, or a start without it")
+    absorber = alone_or_all(absorber)
     begin = Start() if start is None else start_of(start, absorber)
-    made = scene(absorber, primary, begin, force, {})
+    made = scene(absorber, primary, begin, force, {}, several=True)
     warn_of_doubts(made)
     count = whole("seeds", seeds, 1, MOST_STARTS)
-    starts = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), start is not None)
+    starts = (count, whole("seed", seed, 0, MOST_SEED), box_of(box, absorber), start is not None)
     window = (whole("discard", discard, 0, MOST_CYCLES), whole("cycles", cycles, 1, MOST_CYCLES))
     with reporting(progress) as report:
         found = _iva.lyapunov(made, starts, window, report)

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from iva import _iva
 from iva.doubts import warn_of_doubts
 from iva.dynamics.diagrams import MOST_CYCLES
-from iva.dynamics.orbits import IN_SI, Orbit
-from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, whole
-from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Range, box_of
+from iva.dynamics.orbits import Orbit, scene_told
+from iva.dynamics.search import MOST_PERIODS, NAMES, alone_or_all, orbit_of, whole
+from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Range, box_of, boxed, names_of
 from iva.forces import Drive, Harmonic, listed, single
-from iva.parameters import Absorbers, Primary, Start, spec
+from iva.parameters import Absorbers, Primary, Start
 from iva.progress import reporting
-from iva.scene_lines import scene_lines
-from iva.scenes import absorbers, scene
+from iva.scenes import scene
 from iva.spelling import spell_checked
 from iva.structures import Structure
 
@@ -192,10 +191,7 @@ class Attractors:
             for name, (low, high) in zip(names_of(len(self.box)), self.box, strict=True)
         )
         lines.append(f"  starts in {', '.join(ranges)}")
-        parts = (*absorbers(self.absorber), self.primary, *listed(self.force))
-        lines += [f"  {line}" for line in scene_lines(*parts)]
-        of_units = IN_SI if isinstance(self.primary, Structure) else self.primary
-        lines.append(f"  {_iva.primary_units(spec(of_units))}")
+        lines += scene_told(self.absorber, self.primary, *listed(self.force))
         return "\n".join(lines)
 
 
@@ -233,8 +229,7 @@ def attractors(
     most_cycles : int, default 3000
         Most periods that are run from each start.
     box : mapping of str to pair of float, optional
-        The box, as for :func:`lyapunov`. Of several absorbers or units the usual one is drawn
-        from: all gaps, and of a structure the motion of its natural mode.
+        The box, as for :func:`lyapunov`.
     progress : bool or callable, default False
         As in :func:`iva.sweep`; a point is a start.
 
@@ -266,12 +261,11 @@ def attractors(
     >>> found.shares, found.attractors[0].pair
     ({'3:1': 1.0}, True)
     """
-    if isinstance(absorber, (list, tuple)) and len(absorber) == 1:
-        absorber = absorber[0]
+    absorber = alone_or_all(absorber)
     made = scene(absorber, primary, Start(), force, {}, several=True)
     warn_of_doubts(made)
     count = whole("starts", starts, 1, MOST_STARTS)
-    given = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), False)
+    given = (count, whole("seed", seed, 0, MOST_SEED), box_of(box, absorber), False)
     limits = (
         whole("most_periods", most_periods, 1, MOST_PERIODS),
         whole("most_cycles", most_cycles, 1, MOST_CYCLES),
@@ -309,7 +303,7 @@ def attractors(
         left_out=tuple(found["left_out"]),
         starts=count,
         cancelled=cancelled,
-        box=tuple((low, high) for low, high in found["box"]),
+        box=boxed(found["box"]),
     )
 
 
@@ -319,14 +313,6 @@ def start_with(values: Sequence[float]) -> Start:
         return Start(**dict(zip(NAMES, values, strict=True)))
     x, v, *gaps = values
     return Start(displacement=x, velocity=v, gap_displacement=gaps[::2], gap_velocity=gaps[1::2])
-
-
-def names_of(count: int) -> list[str]:
-    """Return the names of so many numbers, of several absorbers with the number of each."""
-    if count == len(NAMES):
-        return list(NAMES)
-    each = (f"{name} {k}" for k in range(count // 2 - 1) for name in NAMES[2:])
-    return [*NAMES[:2], *each]
 
 
 def binomial(count: int, of: int) -> float:

@@ -11,8 +11,11 @@ from iva.dynamics.exponents import Spectrum, lyapunov
 from iva.dynamics.inventories import attractors, binomial
 from iva.dynamics.orbits import Orbit
 from iva.forces import Harmonic
-from iva.parameters import Absorber, Primary
+from iva.dynamics.search import alone_or_all
+from iva.parameters import Absorbers, Primary
+from iva.scenes import absorbers
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -70,8 +73,8 @@ class Regime:
 
 @spell_checked
 def regimes(
-    absorber: Absorber,
-    primary: Primary,
+    absorber: Absorbers,
+    primary: Primary | Structure,
     *,
     force: Harmonic | Sequence[Harmonic],
     starts: int = 64,
@@ -85,9 +88,9 @@ def regimes(
 
     Parameters
     ----------
-    absorber : Siva, Piva or Stop
-        A free mass, a pendulum, or a stop on the ground.
-    primary : Primary
+    absorber : Siva, Piva, Stop, or a list of them
+        A free mass, a pendulum, or a stop on the ground; or several, as for :func:`orbit`.
+    primary : Primary or Structure
         The primary system; what it is given decides the units.
     force : Harmonic
         A harmonic force, or motion of the base; or several whose frequencies are fractions of each
@@ -155,11 +158,14 @@ def regimes(
             *scene, force=force, start=begin, cycles=cycles, discard=most_cycles, seeds=RUNS
         )
         # One value of a number that the absorber has: the scene itself.
-        by = next(name for name in CLEARANCES if getattr(absorber, name) is not None)
+        absorber = alone_or_all(absorber)
+        [first, *others] = absorbers(absorber)
+        by = next(name for name in CLEARANCES if getattr(first, name) is not None)
+        place = "absorber.0" if others else "absorber"
         strobes = diagram(
             *scene,
             force=force,
-            over={f"absorber.{by}": [getattr(absorber, by)]},
+            over={f"{place}.{by}": [getattr(first, by)]},
             direction="up",
             start=begin,
             discard=most_cycles,

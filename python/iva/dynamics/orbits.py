@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, field, fields, replace
 
 from iva import _iva
-from iva.forces import Drive, Harmonic, listed
+from iva.forces import Drive, Force, Harmonic, listed
 from iva.parameters import Primary, Start, spec
 from iva.scene_lines import scene_lines
 from iva.scenes import absorbers
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     import polars as pl
 
+    from iva.parameters import Absorbers
     from iva.simulation import Run
 
 #: A primary system in the units of a structure with several modes.
@@ -302,11 +303,22 @@ class Orbit:
         lines = [f"Orbit: {kind}, {shape}, {count} in {span}"]
         lines.append(f"  multipliers {', '.join(rounded(one) for one in self.multipliers)}")
         lines += [f"  {', '.join(known)}"] if known else []
-        parts = (*absorbers(self.absorber), self.primary, *listed(self.force), self.start)
-        lines += [f"  {line}" for line in scene_lines(*parts)]
-        of_units = IN_SI if isinstance(self.primary, Structure) else self.primary
-        lines.append(f"  {_iva.primary_units(spec(of_units))}")
+        lines += scene_told(self.absorber, self.primary, *listed(self.force), self.start)
         return "\n".join(lines)
+
+
+def scene_told(
+    absorber: Absorbers, primary: Primary | Structure, *others: Force | Start
+) -> list[str]:
+    """Return the lines of a scene, and one of its units, as results print them."""
+    lines = [*scene_lines(*absorbers(absorber), primary, *others)]
+    lines.append(_iva.primary_units(spec(in_units_of(primary))))
+    return [f"  {line}" for line in lines]
+
+
+def in_units_of(primary: Primary | Structure) -> Primary:
+    """Return a primary system whose units are those of a scene."""
+    return IN_SI if isinstance(primary, Structure) else primary
 
 
 def rounded(value: complex) -> str:

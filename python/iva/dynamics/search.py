@@ -105,8 +105,7 @@ def orbit(
     >>> round(abs(found.multipliers[0]), 6)
     0.722149
     """
-    if isinstance(absorber, (list, tuple)) and len(absorber) == 1:
-        absorber = absorber[0]
+    absorber = alone_or_all(absorber)
     begin = start_of(start, absorber)
     forces = listed(force)
     made = scene(absorber, primary, begin, forces, {}, several=True)
@@ -208,10 +207,21 @@ def start_of(start: object, absorber: object) -> Start:
     raise TypeError(f"start = {shown(start)}: {rule}")
 
 
+def alone_or_all(absorber: Absorbers) -> Absorbers:
+    """Return an absorber that is alone in its list, or the list."""
+    alone = isinstance(absorber, (list, tuple)) and len(absorber) == 1
+    return absorber[0] if alone else absorber  # type: ignore[index,return-value]
+
+
 def several(absorber: object) -> bool:
     """Return whether there are several absorbers, or units."""
+    return members(absorber) > 1
+
+
+def members(absorber: object) -> int:
+    """Return the number of absorbers and units."""
     each = absorber if isinstance(absorber, (list, tuple)) else [absorber]
-    return sum(getattr(one, "units", None) or 1 for one in each) > 1
+    return sum(int(getattr(one, "units", None) or 1) for one in each)
 
 
 def alone(orbit: Orbit) -> None:

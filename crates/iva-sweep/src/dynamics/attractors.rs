@@ -2,14 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iva_core::error::Invalid;
 use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::symmetry::find_any;
 use iva_core::orbit::{Cycle, Trajectory};
 
 use super::basins::{LeftOut, untold};
-use super::family::{Family, Member, with_member};
-use super::starts::{AllStarts, Drawn, Numbers, Startable};
+use super::family::{Family, with_member};
+use super::starts::{Bounds, Drawn, Numbers, Startable, Starts};
 use super::{Found, Missed, Outcome, Tracker, told};
 use crate::design::Spec;
 use crate::sweep::SweepError;
@@ -41,11 +40,11 @@ pub struct Inventory {
     /// Number of starts whose strobes do not repeat, or whose orbit is left out.
     pub aperiodic: usize,
     /// The first of these.
-    pub aperiodic_start: Option<Vec<f64>>,
+    pub aperiodic_start: Option<Numbers>,
     /// How cycles ended that did not finish, one for each such start.
     pub unfinished: Vec<Outcome>,
     /// The box of the starts: displacement and velocity, gap displacement and gap velocity of each absorber.
-    pub bounds: Vec<[f64; 2]>,
+    pub bounds: Bounds,
     /// The orbits that cannot be described, with the reasons.
     pub left_out: Vec<LeftOut>,
 }
@@ -57,18 +56,14 @@ pub struct Inventory {
 /// [`SweepError::Invalid`] as [`Family::new`], for orbits of no period or of too many, or if a box has starts outside the gap.
 pub fn attractors(
     spec: &Spec,
-    drawn: Drawn,
+    drawn: &Drawn,
     (most_periods, most_cycles): (u32, u64),
     tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
-    let family = Family::of_all(spec.clone(), 1)?;
+    let family = Family::new(spec, None, 1)?;
     let search = Search { most_periods, most_cycles, join_mirrored: family.mirrors };
-    if let (Member::System(like), true) = (&family.member, family.is_several()) {
-        let starts = family.drawn_of_all(spec, drawn)?;
-        return inventory(&family, like, starts, search, tracker);
-    }
     with_member!(&family.member, |it| {
-        let starts = family.drawn(it, drawn)?.of_all();
+        let starts = family.drawn(it, drawn)?;
         inventory(&family, it, starts, search, tracker)
     })
 }
@@ -76,7 +71,7 @@ pub fn attractors(
 fn inventory<S: Startable>(
     family: &Family,
     like: &Trajectory<S>,
-    starts: AllStarts<S>,
+    starts: Starts<S>,
     search: Search,
     tracker: Tracker<'_>,
 ) -> Result<Inventory, SweepError> {
@@ -158,13 +153,4 @@ pub(super) fn told_of<S: Startable>(
         None => attractor.orbit.clone(),
     };
     told(family, like.cycle.begin, (&orbit, periods), cancel)
-}
-
-/// The trajectories from given starts.
-pub(super) fn begun<S: Startable>(
-    family: &Family,
-    like: &Trajectory<S>,
-    starts: &[Numbers],
-) -> Result<Vec<Trajectory<S>>, Invalid> {
-    starts.iter().map(|numbers| S::begun(like, &family.scale, *numbers)).collect()
 }

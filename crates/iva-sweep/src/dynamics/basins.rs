@@ -7,10 +7,10 @@ use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::basin_entropy::entropy;
 use iva_core::orbit::basins::{Cell, Ending};
 use iva_core::orbit::neighbourhood::neighbourhoods;
-use iva_core::orbit::{Coordinates, Strobe as _, Trajectory};
+use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::attractors::{begun, searched, told_of};
-use super::family::{Family, with_member};
+use super::attractors::{searched, told_of};
+use super::family::{Family, OfMember, with_member};
 use super::starts::{Numbers, Startable};
 use super::{Found, Missed, Outcome, Tracker};
 use crate::design::Spec;
@@ -33,7 +33,7 @@ const SEARCHED_TIMES: u64 = 10;
 /// A grid of starts: the other two numbers are those of the start of the spec.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
-    /// Which of [`NAMES`](super::starts::NAMES) goes across and which goes up.
+    /// The places of the number that goes across and of that which goes up, see [`place_of`](super::starts::place_of).
     pub axes: [usize; 2],
     /// The values of each.
     pub values: [Vec<f64>; 2],
@@ -72,7 +72,7 @@ pub enum LeftOut {
     /// Starts end in an orbit that cannot be described.
     Untold {
         /// A start on it.
-        start: Vec<f64>,
+        start: Numbers,
         /// Number of periods after which it repeats.
         periods: u32,
         /// Why it cannot be described.
@@ -120,21 +120,31 @@ pub fn basins(
     with_member!(&family.member, |it| labelled(&family, it, (plane, asked), tracker))
 }
 
-fn labelled<S: Startable>(
+fn labelled<S: Startable + OfMember>(
     family: &Family,
     like: &Trajectory<S>,
     (plane, asked): (&Plane, &Asked),
     Tracker { cancel, done }: Tracker<'_>,
 ) -> Result<Basins, SweepError> {
-    let given: Numbers = like.system.coordinates(&like.state).into();
-    let starts = plane.starts(like.system.user_numbers(&family.scale, given));
-    let sought = asked.orbits.clone().unwrap_or_else(|| spread(&starts));
+    if family.structure.is_some() && asked.orbits.is_some() {
+        let rule = "of several modes they are found from the cells; leave them out";
+        return Err(Invalid::new("attractors", "given", rule).into());
+    }
+    let starts = plane.starts();
+    let all = |orbit: &Numbers| orbit.iter().copied().enumerate().collect::<Changed>();
+    let sought = match &asked.orbits {
+        Some(orbits) => orbits.iter().map(all).collect(),
+        None => spread(&starts),
+    };
+    let begun = |starts: &[Changed]| -> Result<Vec<_>, Invalid> {
+        starts.iter().map(|changed| family.begun(like, changed)).collect()
+    };
     let search = Search {
         most_periods: asked.most_periods,
         most_cycles: asked.most_cycles.saturating_mul(SEARCHED_TIMES),
         join_mirrored: false,
     };
-    let begins = begun(family, like, &sought)?;
+    let begins = begun(&sought)?;
     // What is counted are cells.
     let uncounted = Tracker { cancel, done: &AtomicU64::new(0) };
     let found = searched(&begins, search, uncounted)?;
@@ -157,7 +167,7 @@ fn labelled<S: Startable>(
             return Ok(vec![Cell { ending, cycles: 0, error: 0.0 }; columns]);
         }
         let first = row as usize * columns;
-        let trajectories = begun(family, like, &starts[first..first + columns])?;
+        let trajectories = begun(&starts[first..first + columns])?;
         let cells =
             iva_core::orbit::basins::basins(&trajectories, &near, asked.most_cycles, Some(cancel));
         done.fetch_add(columns as u64, Ordering::Relaxed);
@@ -253,11 +263,8 @@ pub(super) fn untold<S: Startable>(
     orbit: &Attractor<S>,
     why: Missed,
 ) -> LeftOut {
-    let first = orbit.strobes.first().map_or(&[][..], |strobe| strobe.numbers());
-    let start = match <Numbers>::try_from(first) {
-        Ok(four) if !family.is_several() => like.system.user_numbers(&family.scale, four).to_vec(),
-        _ => first.to_vec(),
-    };
+    let first = orbit.strobes.first();
+    let start = first.map_or_else(Vec::new, |strobe| family.numbers_at(&like.system, strobe));
     LeftOut::Untold { start, periods: orbit.periods() as u32, why }
 }
 
@@ -272,26 +279,25 @@ fn ending(cell: &Cell, most_cycles: u64) -> i32 {
     }
 }
 
+/// The numbers in which a start differs from that of the spec, by their places.
+type Changed = Vec<(usize, f64)>;
+
 impl Plane {
     /// The starts of all cells, row by row upwards.
-    fn starts(&self, given: Numbers) -> Vec<Numbers> {
-        let [across, up] = &self.values;
-        let cell = |x: f64, y: f64| {
-            let mut numbers = given;
-            (numbers[self.axes[0]], numbers[self.axes[1]]) = (x, y);
-            numbers
-        };
-        up.iter().flat_map(|y| across.iter().map(move |x| cell(*x, *y))).collect()
+    fn starts(&self) -> Vec<Changed> {
+        let ([across, up], [x, y]) = (self.axes, &self.values);
+        let cell = |x: &f64, y: &f64| vec![(across, *x), (up, *y)];
+        y.iter().flat_map(|y| x.iter().map(move |x| cell(x, y))).collect()
     }
 }
 
 /// Some of many starts, spread evenly.
-fn spread(starts: &[Numbers]) -> Vec<Numbers> {
+fn spread(starts: &[Changed]) -> Vec<Changed> {
     if starts.len() <= MOST_SEARCHED {
         return starts.to_vec();
     }
     // The multiples of the golden ratio: no two of them are in the same row or column for long.
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let place = |k: usize| (k as f64 * GOLDEN).fract() * starts.len() as f64;
-    (0..MOST_SEARCHED).map(|k| starts[place(k) as usize]).collect()
+    (0..MOST_SEARCHED).map(|k| starts[place(k) as usize].clone()).collect()
 }

@@ -100,7 +100,7 @@ fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid>
 }
 
 fn family_at(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Family, Invalid> {
-    Family::new(&changed(spec, slots, values)?, None, 1)
+    Family::of_one(&changed(spec, slots, values)?, 1)
 }
 
 /// The scenes of a spec at values of some fields: the system, and the period of its drive.
@@ -199,7 +199,7 @@ pub fn follow(
             format!("the orbit is outside the range from {} to {}", number(low), number(high));
         return Err(Invalid::new(way.over.path(), number(value), rule));
     }
-    let family = Family::new(spec, None, periods)?;
+    let family = Family::of_one(spec, periods)?;
     with_member!(&family.member, |it| followed(
         spec,
         it,
@@ -309,7 +309,7 @@ pub fn orbit_at(
     cancel: &AtomicBool,
 ) -> Result<Result<Found, Missed>, Invalid> {
     let spec = changed(spec, &[over], &[value])?;
-    let family = Family::new(&spec, None, chain.cycles)?;
+    let family = Family::of_one(&spec, chain.cycles)?;
     Ok(with_member!(&family.member, |it| {
         chain
             .orbit(&it.system, family.period, unknowns, it.cycle.begin)

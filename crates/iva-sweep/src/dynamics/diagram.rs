@@ -1,20 +1,15 @@
 //! Bifurcation diagrams over a field of a scene, in the user's units, see [`iva_core::orbit::diagram`].
 
-use iva_core::absorber::modal::FewModes;
 use iva_core::error::{Invalid, number};
-use iva_core::host::DrivenHost;
-use iva_core::orbit::Trajectory;
-use iva_core::orbit::diagram::{self, Column};
-use iva_core::piva::Piva;
-use iva_core::siva::Siva;
+use iva_core::orbit::diagram::{self, Column, Strobe};
+use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::family::{Family, Member, OfMember, changeable, middled};
+use super::family::{Family, OfMember, changeable, middled, with_member};
 use super::starts::{Numbers, Startable};
 use super::{Outcome, Tracker};
 use crate::design::Spec;
 use crate::slot::Slot;
 use crate::sweep::SweepError;
-use crate::units::Scale;
 use crate::workers::Workers;
 
 pub use iva_core::orbit::diagram::Direction;
@@ -27,7 +22,7 @@ pub struct Strobes {
     pub value: f64,
     /// The direction.
     pub direction: Direction,
-    /// Displacement, velocity, gap displacement and gap velocity at each strobe.
+    /// Displacement and velocity at each strobe, gap displacement and gap velocity of each absorber.
     pub states: Vec<Numbers>,
     /// Number of listed impacts in the cycle before each strobe.
     pub impacts: Vec<u64>,
@@ -60,13 +55,13 @@ pub fn diagram(
         let begin = Family::new(spec, Some((over, values[first])), 1)?;
         let mut all = all.clone();
         all[first] = begin;
-        match &all[first].member {
-            Member::Siva(_) => strobes::<Siva<DrivenHost>>(all, values, direction, window, tracker),
-            Member::Piva(_) => strobes::<Piva<DrivenHost>>(all, values, direction, window, tracker),
-            Member::System(_) => {
-                strobes::<FewModes<DrivenHost>>(all, values, direction, window, tracker)
-            }
-        }
+        with_member!(&all[first].member, |it| strobes(
+            (&all, it),
+            values,
+            direction,
+            window,
+            tracker
+        ))
     };
     let parts = Workers::new(None)?.map(directions.len() as u64, one);
     let parts: Result<Vec<_>, Invalid> = parts.into_iter().collect();
@@ -90,26 +85,23 @@ fn check(over: Slot, values: &[f64]) -> Result<(), Invalid> {
 
 /// The strobes of one direction.
 fn strobes<S: OfMember + Startable>(
-    families: Vec<Family>,
+    (families, _): (&[Family], &Trajectory<S>),
     values: &[f64],
     direction: Direction,
     window: Window,
     Tracker { cancel, done }: Tracker<'_>,
 ) -> Result<Vec<Strobes>, Invalid> {
-    let (mut trajectories, mut scales) = (vec![], vec![]);
-    for Family { member, scale, .. } in families {
-        trajectories.extend(S::of(member));
-        scales.push(scale);
-    }
+    let trajectories: Vec<_> = families.iter().filter_map(|it| S::of(it.member.clone())).collect();
     let columns = diagram::diagram(&trajectories, direction, window, Some(cancel), Some(done))?;
-    let rows = columns.into_iter().zip(&trajectories).zip(scales).zip(values);
-    let shown =
-        |(((column, trajectory), scale), value): (((Column, &Trajectory<S>), Scale), &f64)| {
-            let system = &trajectory.system;
-            let states =
-                column.strobes.iter().map(|it| system.user_numbers(&scale, it.at.into())).collect();
-            let impacts = column.strobes.iter().map(|it| it.impacts).collect();
-            Strobes { value: *value, direction, states, impacts, outcome: column.outcome }
-        };
+    let rows = columns.into_iter().zip(families.iter().zip(&trajectories)).zip(values);
+    type Whole<'a, S> =
+        ((Column<<S as Coordinates>::Strobe>, (&'a Family, &'a Trajectory<S>)), &'a f64);
+    let shown = |((column, (family, trajectory)), value): Whole<'_, S>| {
+        let Column { strobes, outcome } = column;
+        let numbers = |it: &Strobe<S::Strobe>| family.numbers_at(&trajectory.system, &it.at);
+        let states = strobes.iter().map(numbers).collect();
+        let impacts = strobes.iter().map(|it| it.impacts).collect();
+        Strobes { value: *value, direction, states, impacts, outcome }
+    };
     Ok(rows.map(shown).collect())
 }

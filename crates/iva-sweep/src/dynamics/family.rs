@@ -45,6 +45,8 @@ pub fn common_periods(frequencies: &[f64]) -> Option<(u32, bool)> {
 /// A system under one periodic drive, with its start, in natural units.
 #[derive(Debug, Clone)]
 pub struct Family {
+    /// What it is made of.
+    pub(super) spec: Spec,
     /// The system, and the trajectory from the start on: its cycle begins at the instant of the start.
     pub member: Member,
     /// The period of the drive.
@@ -130,30 +132,33 @@ macro_rules! with_member {
 pub(crate) use with_member;
 
 impl Family {
-    /// The system of a spec with a cycle of so many periods of its drive; `at` is the value of a field that takes the place
-    /// of what the spec has.
+    /// The system of a spec of one absorber on one mode, with a cycle of so many periods of its drive.
     ///
     /// # Errors
-    /// [`Invalid`] if something is missing or out of range, the value is, or the scene is no absorber under one harmonic
-    /// force or motion of the base.
-    pub fn new(spec: &Spec, at: Option<(Slot, f64)>, periods: u32) -> Result<Self, Invalid> {
-        let mut spec = spec.clone();
-        if let Some((slot, value)) = at {
-            spec.replace(slot, value)?;
+    /// As [`Family::new`], or if four numbers do not tell its state.
+    pub fn of_one(spec: &Spec, periods: u32) -> Result<Self, Invalid> {
+        if spec.structure().is_some() {
+            let rule = "branches are those of an absorber on one mode; give [primary] in its place";
+            return Err(Invalid::new("structure", "several modes", rule));
         }
-        check_structure(&spec)?;
-        let family = Self::of_all(spec, periods)?;
+        let family = Self::new(spec, None, periods)?;
         if let Member::System(trajectory) = &family.member {
             trajectory.system.check_single()?;
         }
         Ok(family)
     }
 
-    /// The same of any number of absorbers and units, and on several modes.
+    /// The system of a spec with a cycle of so many periods of its drive; `at` is the value of a field that takes the place
+    /// of what the spec has.
     ///
     /// # Errors
-    /// As [`Family::new`], or if there are too many.
-    pub fn of_all(mut spec: Spec, periods: u32) -> Result<Self, Invalid> {
+    /// [`Invalid`] if something is missing or out of range, the value is, there are too many absorbers or modes, or the scene is no
+    /// absorber under harmonic forces or motions of the base with a common period.
+    pub fn new(spec: &Spec, at: Option<(Slot, f64)>, periods: u32) -> Result<Self, Invalid> {
+        let mut spec = spec.clone();
+        if let Some((slot, value)) = at {
+            spec.replace(slot, value)?;
+        }
         check_kind(&spec)?;
         spec.replace(FieldId::Cycles, f64::from(periods))?;
         let Design { scene, begin, scale, units, .. } = spec.design()?;
@@ -211,6 +216,7 @@ impl Family {
             _ => return Err(not_periodic(&spec)),
         };
         Ok(Self {
+            spec,
             member,
             period,
             amplitude,
@@ -223,15 +229,6 @@ impl Family {
             units,
         })
     }
-}
-
-/// Checks that there is one mode.
-fn check_structure(spec: &Spec) -> Result<(), Invalid> {
-    if spec.structure().is_some() {
-        let rule = "branches, basins and exponents are those of an absorber on one mode; give [primary] in its place";
-        return Err(Invalid::new("structure", "several modes", rule));
-    }
-    Ok(())
 }
 
 /// Checks that there is an absorber, and a drive of harmonic forces.
@@ -267,14 +264,19 @@ fn without_period(spec: &Spec) -> Invalid {
     Invalid::new("force", given, rule)
 }
 
-/// The scene with the absorber in the middle of its gap, or the structure in the middle of that of a stop, where it fits any clearance.
+/// The scene with each absorber in the middle of its gap, or the structure in the middle of that of a stop, where it fits any clearance.
 pub(super) fn middled(spec: &Spec) -> Result<Spec, Invalid> {
     let mut spec = spec.clone();
-    let middle = spec.get(FieldId::GapOffset);
-    let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
-    let stops = spec.choices().kind == Kind::Stop;
-    let field = if stops { FieldId::Displacement } else { FieldId::GapDisplacement };
-    spec.replace(field, middle.unwrap_or(0.0))?;
+    spec.clear(FieldId::GapDisplacement.into());
+    for k in 0..spec.count() {
+        let middle = spec.get_of(k, FieldId::GapOffset);
+        let middle = middle.or(spec.get_of(k, FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
+        let slot = match spec.choices_of(k).kind {
+            Kind::Stop => FieldId::Displacement.into(),
+            _ => spec.slot(FieldId::GapDisplacement, k),
+        };
+        spec.replace(slot, middle.unwrap_or(0.0))?;
+    }
     Ok(spec)
 }
 

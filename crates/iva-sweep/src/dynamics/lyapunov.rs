@@ -8,7 +8,7 @@ use iva_core::orbit::lyapunov::{Spectrum, carried, spectrum};
 
 use super::Tracker;
 use super::diagram::Window;
-use super::family::{Family, with_member};
+use super::family::{Family, OfMember, with_member};
 use super::starts::{Bounds, Drawn, Startable};
 use crate::design::Spec;
 use crate::sweep::SweepError;
@@ -34,7 +34,7 @@ pub struct Exponents {
 /// [`SweepError::Invalid`] as [`Family::new`], or if a box has starts outside the gap.
 pub fn lyapunov(
     spec: &Spec,
-    drawn: Drawn,
+    drawn: &Drawn,
     window: Window,
     tracker: Tracker<'_>,
 ) -> Result<Exponents, SweepError> {
@@ -42,10 +42,10 @@ pub fn lyapunov(
     with_member!(&family.member, |it| exponents(&family, it, drawn, window, tracker))
 }
 
-fn exponents<S: Startable>(
+fn exponents<S: Startable + OfMember>(
     family: &Family,
     like: &Trajectory<S>,
-    drawn: Drawn,
+    drawn: &Drawn,
     window: Window,
     tracker: Tracker<'_>,
 ) -> Result<Exponents, SweepError> {
@@ -64,8 +64,8 @@ fn exponents<S: Startable>(
     let rate = |it: f64| family.scale.velocity(it);
     let dimension = natural.dimension();
     let spectrum = Spectrum {
-        exponents: natural.exponents.map(rate),
-        standard_errors: natural.standard_errors.map(rate),
+        exponents: natural.exponents.iter().map(|it| rate(*it)).collect(),
+        standard_errors: natural.standard_errors.iter().map(|it| rate(*it)).collect(),
         sum_error: natural.sum_error.map(rate),
         ..natural
     };

@@ -1,30 +1,45 @@
 //! Starts in the user's units, given or drawn at random.
 
-use iva_core::absorber::modal::FewModes;
 use iva_core::absorber::{Absorber, Clock, OnStructure, Start};
 use iva_core::error::{Invalid, number};
-use iva_core::host::DrivenHost;
-use iva_core::orbit::{Coordinates, Iterated, Trajectory};
+use iva_core::orbit::{Coordinates, Iterated, Strobe as _, Trajectory};
 use iva_core::piva::Angles;
 
-use super::family::{Family, Member};
+use super::family::{Family, Member, OfMember};
 use crate::cube::{Cube, Method};
-use crate::design::Spec;
 use crate::fields::FieldId;
 use crate::units::Scale;
 
-/// Displacement and velocity of the structure, gap displacement and gap velocity.
-pub type Numbers = [f64; 4];
+/// Displacement and velocity of the structure, then gap displacement and gap velocity of each absorber or unit.
+pub type Numbers = Vec<f64>;
 /// The range of each of these.
-pub type Bounds = [[f64; 2]; 4];
+pub type Bounds = Vec<[f64; 2]>;
 
-/// The names of the numbers of a start.
+/// The names of the numbers of a start with one absorber.
 pub const NAMES: [&str; 4] = ["displacement", "velocity", "gap_displacement", "gap_velocity"];
+
+/// The name of the number at a place, of so many: of several absorbers with the index of the absorber, as in `gap_velocity.1`.
+pub fn name_of(place: usize, count: usize) -> String {
+    match place {
+        0 | 1 => NAMES[place].to_owned(),
+        _ if count <= NAMES.len() => NAMES[place % 2 + 2].to_owned(),
+        _ => format!("{}.{}", NAMES[place % 2 + 2], place / 2 - 1),
+    }
+}
+
+/// The place of the number of this name; without an index that of the first absorber.
+pub fn place_of(name: &str) -> Option<usize> {
+    let (name, index) = name.split_once('.').unwrap_or((name, "0"));
+    let place = NAMES.iter().position(|it| *it == name)?;
+    let index: usize = index.parse().ok().filter(|index| place > 1 || *index == 0)?;
+    place.checked_add(index.checked_mul(2)?)
+}
+
 /// How far starts around a given one are from it, over the size of the state.
 const AROUND: f64 = 1e-6;
 
 /// Starts that are drawn at random.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
     /// Their number.
     pub count: u64,
@@ -35,7 +50,7 @@ pub struct Drawn {
 }
 
 /// The box of starts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Within {
     /// The usual one: displacements and velocities up to those without absorber, the whole gap.
     Usual,
@@ -45,7 +60,7 @@ pub enum Within {
     Close,
 }
 
-/// An absorber whose states are given and shown by the numbers of a start.
+/// An absorber whose states are given and shown by the four numbers of a start.
 pub(super) trait Startable:
     OnStructure<State: Send + Sync> + Coordinates + Iterated + Clone + Send + Sync
 {
@@ -53,11 +68,11 @@ pub(super) trait Startable:
     fn begun(
         like: &Trajectory<Self>,
         scale: &Scale,
-        numbers: Numbers,
+        numbers: [f64; 4],
     ) -> Result<Trajectory<Self>, Invalid>;
 
     /// The numbers of coordinates, in the user's units.
-    fn user_numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers;
+    fn user_numbers(&self, scale: &Scale, coordinates: [f64; 4]) -> [f64; 4];
 }
 
 impl<S> Startable for S
@@ -68,7 +83,7 @@ where
     fn begun(
         like: &Trajectory<Self>,
         scale: &Scale,
-        numbers: Numbers,
+        numbers: [f64; 4],
     ) -> Result<Trajectory<Self>, Invalid> {
         let [displacement, velocity, gap_displacement, gap_velocity] = numbers;
         let natural = 1.0 / scale.velocity(1.0);
@@ -78,7 +93,7 @@ where
         Ok(Trajectory { tier: like.tier, ..begun })
     }
 
-    fn user_numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers {
+    fn user_numbers(&self, scale: &Scale, coordinates: [f64; 4]) -> [f64; 4] {
         let [x, v, y, w] = coordinates;
         // Of a pendulum the last coordinate is b θ̇, and the gap velocity b θ̇ cos θ.
         let start = self.start_at(&coordinates.into());
@@ -91,25 +106,94 @@ where
 }
 
 impl Family {
-    /// The usual box of starts, in the user's units: displacement and velocity of the structure up to those of its steady state
-    /// without absorber, the whole gap as far as a pendulum reaches, and gap velocities up to the same velocity.
-    pub(super) fn bounds<S: Absorber<Real = f64>>(&self, system: &S) -> Bounds {
-        let frequency = std::f64::consts::TAU / self.period;
-        let (middle, clearance) = (system.offset_of(0), system.clearance());
-        let half = clearance.min(self.reach());
-        let x = if self.amplitude.is_finite() { self.amplitude } else { clearance };
-        let v = self.scale.velocity(x * frequency);
-        let [low, high] = self.within;
-        [[-x, x].map(|x| x.max(low).min(high)), [-v, v], [middle - half, middle + half], [-v, v]]
+    /// The numbers of a state, in the user's units.
+    pub(super) fn numbers<S: Startable>(&self, system: &S, state: &S::State) -> Numbers {
+        if !self.is_several() {
+            return system.user_numbers(&self.scale, system.coordinates(state).into()).to_vec();
+        }
+        let primary = system.primary(state);
+        let gap = |k: usize| {
+            let seen = system.turned_to(state, k);
+            let (side, distance) = (system.wall(&seen).sign(), system.distance(&seen));
+            let y = system.offset_of(k) + (system.clearance_of(k) - distance.value) * side;
+            [y, self.scale.velocity(-side * distance.rate)]
+        };
+        let own = [primary.x, self.scale.velocity(primary.v)];
+        own.into_iter().chain((0..self.middles.len()).flat_map(gap)).collect()
     }
 
-    /// How far the absorber reaches to either side, where there were no walls.
-    fn reach(&self) -> f64 {
+    /// Those at a strobe.
+    pub(super) fn numbers_at<S: Startable>(&self, system: &S, strobe: &S::Strobe) -> Numbers {
+        match <[f64; 4]>::try_from(strobe.numbers()) {
+            Ok(four) if !self.is_several() => system.user_numbers(&self.scale, four).to_vec(),
+            _ => system.start_at_strobe(strobe).map_or_else(Vec::new, |start| {
+                self.numbers(system, &system.begin_at(&start, Clock::new(0.0)))
+            }),
+        }
+    }
+
+    /// The trajectory of the same scene from a start with other values of some of its numbers.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a value outside its gap.
+    pub(super) fn begun<S: Startable + OfMember>(
+        &self,
+        like: &Trajectory<S>,
+        changed: &[(usize, f64)],
+    ) -> Result<Trajectory<S>, Invalid> {
+        let mut numbers = self.numbers(&like.system, &like.state);
+        for (place, value) in changed {
+            let count = numbers.len();
+            let rule = || format!("there are {count} numbers of a start");
+            let number = numbers.get_mut(*place);
+            *number.ok_or_else(|| Invalid::new("start", name_of(*place, usize::MAX), rule()))? =
+                *value;
+        }
+        match <[f64; 4]>::try_from(&numbers[..]) {
+            Ok(four) if !self.is_several() => return S::begun(like, &self.scale, four),
+            _ => {}
+        }
+        let mut from = self.spec.clone();
+        for (place, field) in [(0, FieldId::Displacement), (1, FieldId::Velocity)] {
+            if changed.iter().any(|(other, _)| *other == place) {
+                from.replace(field, numbers[place])?;
+            }
+        }
+        for (first, field) in [(2, FieldId::GapDisplacement), (3, FieldId::GapVelocity)] {
+            if changed.iter().any(|(place, _)| *place >= 2 && place % 2 == first % 2) {
+                let each: Numbers = numbers[first..].iter().step_by(2).copied().collect();
+                from.clear(field.into());
+                from.set_starts(field, &each)?;
+            }
+        }
+        let other = || Invalid::missing("absorber", "give one of the same kind");
+        let begun = S::of(Self::new(&from, None, 1)?.member).ok_or_else(other)?;
+        Ok(Trajectory { cycle: like.cycle, tier: like.tier, ..begun })
+    }
+
+    /// The usual box of starts, in the user's units: displacement and velocity of the structure up to those of its steady state
+    /// without absorber, each whole gap as far as a pendulum reaches, and gap velocities up to the same velocity.
+    fn bounds<S: Absorber<Real = f64>>(&self, system: &S) -> Bounds {
+        let frequency = std::f64::consts::TAU / self.period;
+        let x = if self.amplitude.is_finite() { self.amplitude } else { system.clearance() };
+        let v = self.scale.velocity(x * frequency);
+        let [low, high] = self.within;
+        let gap = |k: usize| {
+            let (middle, half) = (self.middles[k], system.clearance_of(k).min(self.reach(k)));
+            let [minus, plus] = system.walls_of(k);
+            [[(middle - half).max(minus), (middle + half).min(plus)], [-v, v]]
+        };
+        let own = [[-x, x].map(|x| x.max(low).min(high)), [-v, v]];
+        own.into_iter().chain((0..self.middles.len()).flat_map(gap)).collect()
+    }
+
+    /// How far an absorber reaches to either side, where there were no walls.
+    fn reach(&self, absorber: usize) -> f64 {
         match &self.member {
             Member::Piva(it) if it.system.parameters().angles == Angles::Large => {
                 it.system.parameters().contact_distance
             }
-            Member::System(it) => match it.system.pendulum(0) {
+            Member::System(it) => match it.system.pendulum(absorber) {
                 Some(pendulum) if pendulum.angles == Angles::Large => pendulum.contact_distance,
                 _ => f64::INFINITY,
             },
@@ -117,46 +201,84 @@ impl Family {
         }
     }
 
+    /// A small box around a state.
+    fn around<S: Startable>(&self, system: &S, given: &Numbers) -> Bounds {
+        let size = AROUND * given[0].abs().max(system.clearance());
+        let sizes = [size, self.scale.velocity(size)];
+        let around = |(place, it): (usize, &f64)| {
+            let [low, high] = match place {
+                0 => self.within,
+                _ if place % 2 == 0 => system.walls_of(place / 2 - 1),
+                _ => [f64::NEG_INFINITY, f64::INFINITY],
+            };
+            [it - sizes[place % 2], it + sizes[place % 2]].map(|it| it.clamp(low, high))
+        };
+        given.iter().enumerate().map(around).collect()
+    }
+
     /// Trajectories from starts that are drawn, and their numbers, with the box in which they are.
-    pub(super) fn drawn<S: Startable>(
+    ///
+    /// # Errors
+    /// [`Invalid`] for a box that is none, or with starts outside a gap.
+    pub(super) fn drawn<S: Startable + OfMember>(
         &self,
         like: &Trajectory<S>,
-        drawn: Drawn,
+        drawn: &Drawn,
     ) -> Result<Starts<S>, Invalid> {
         let system = &like.system;
-        let gap = system.walls_of(0);
-        let given: Numbers = system.coordinates(&like.state).into();
-        let given = system.user_numbers(&self.scale, given);
-        let bounds = match drawn.within {
+        let given = self.numbers(system, &like.state);
+        let close = drawn.within == Within::Close;
+        let bounds = match &drawn.within {
             Within::Usual => self.bounds(system),
-            Within::Given(bounds) => checked(bounds)?,
-            Within::Close => {
-                let size = AROUND * given[0].abs().max(system.clearance());
-                let sizes = [size, self.scale.velocity(size)];
-                let around = |k: usize| [given[k] - sizes[k % 2], given[k] + sizes[k % 2]];
-                let [x, v, y, w] = [0, 1, 2, 3].map(around);
-                let x = x.map(|x| x.clamp(self.within[0], self.within[1]));
-                [x, v, y.map(|y| y.clamp(gap[0], gap[1])), w]
-            }
+            Within::Given(bounds) => checked(bounds, given.len())?,
+            Within::Close => self.around(system, &given),
         };
-        let cube = Cube::new(Method::Random, drawn.count, drawn.seed, false, 4)
+        let beside = close && self.is_several();
+        let axes = if beside { system.point(&like.state).len() } else { bounds.len() };
+        let cube = Cube::new(Method::Random, drawn.count, drawn.seed, false, axes)
             .map_err(|error| Invalid::new("starts", drawn.count.to_string(), error.to_string()))?;
         let (mut trajectories, mut numbers) = (vec![], vec![]);
         for point in 0..drawn.count {
-            let one = [0, 1, 2, 3].map(|axis| {
-                let [low, high] = bounds[axis];
-                low + (high - low) * cube.coordinate(point, axis)
-            });
-            if point == 0 && drawn.within == Within::Close {
+            let share = |axis: usize| cube.coordinate(point, axis);
+            if close && point == 0 {
                 trajectories.push(like.clone());
-                numbers.push(given);
+                numbers.push(given.clone());
+            } else if beside {
+                trajectories.push(beside_state(like, share));
+                numbers.push(given.clone());
             } else {
-                trajectories.push(S::begun(like, &self.scale, one)?);
+                let at = |(axis, [low, high]): (usize, &[f64; 2])| low + (high - low) * share(axis);
+                let one: Numbers = bounds.iter().enumerate().map(at).collect();
+                let all: Vec<_> = one.iter().copied().enumerate().collect();
+                trajectories.push(self.begun(like, &all)?);
                 numbers.push(one);
             }
         }
         Ok(Starts { trajectories, numbers, bounds })
     }
+
+    /// True if four numbers do not tell a state.
+    pub fn is_several(&self) -> bool {
+        matches!(&self.member, Member::System(it) if it.system.check_single().is_err())
+    }
+}
+
+/// A trajectory next to another, off by these shares of a small range in each number of its state.
+fn beside_state<S: Startable>(like: &Trajectory<S>, share: impl Fn(usize) -> f64) -> Trajectory<S> {
+    let Trajectory { system, state, cycle, .. } = like;
+    let mut at = system.point(state);
+    let size = AROUND * at.amax().max(system.clearance());
+    for (axis, number) in at.iter_mut().enumerate() {
+        *number += size * (2.0 * share(axis) - 1.0);
+    }
+    for (place, k) in system.gaps() {
+        at[place] = at[place].clamp(-system.clearance_of(k), system.clearance_of(k));
+    }
+    let start = system.start_of(&at);
+    start.map_or_else(
+        || like.clone(),
+        |it| like.from(&system.begin_at(&it, Clock::new(cycle.begin))),
+    )
 }
 
 /// Trajectories from starts.
@@ -168,97 +290,18 @@ pub(super) struct Starts<S: Absorber> {
     pub bounds: Bounds,
 }
 
-impl<S: Absorber> Starts<S> {
-    /// The same without a limit to how many numbers a start has.
-    pub fn of_all(self) -> AllStarts<S> {
-        let Self { trajectories, numbers, bounds } = self;
-        let numbers = numbers.into_iter().map(Vec::from).collect();
-        AllStarts { trajectories, numbers, bounds: bounds.to_vec() }
+/// Checks a box of so many numbers.
+fn checked(bounds: &Bounds, count: usize) -> Result<Bounds, Invalid> {
+    if bounds.len() != count {
+        let rule = format!("give ranges of the {count} numbers of a start");
+        return Err(Invalid::new("box", format!("{} ranges", bounds.len()), rule));
     }
-}
-
-/// Trajectories from starts of any number of absorbers.
-pub(super) struct AllStarts<S: Absorber> {
-    pub trajectories: Vec<Trajectory<S>>,
-    /// Displacement and velocity, gap displacement and gap velocity of each absorber, in the user's units.
-    pub numbers: Vec<Vec<f64>>,
-    /// The box in which they are.
-    pub bounds: Vec<[f64; 2]>,
-}
-
-impl Family {
-    /// True if four numbers do not tell a state.
-    pub fn is_several(&self) -> bool {
-        matches!(&self.member, Member::System(it) if it.system.check_single().is_err())
-    }
-
-    /// The usual box of starts of all absorbers.
-    fn bounds_of_all(&self, system: &FewModes<DrivenHost>) -> Vec<[f64; 2]> {
-        let frequency = std::f64::consts::TAU / self.period;
-        let x = if self.amplitude.is_finite() { self.amplitude } else { system.clearance() };
-        let v = self.scale.velocity(x * frequency);
-        let [low, high] = self.within;
-        let gap = |k: usize| {
-            let reach = system.pendulum(k).filter(|it| it.angles == Angles::Large);
-            let reach = reach.map_or(f64::INFINITY, |it| it.contact_distance);
-            let (middle, half) = (self.middles[k], system.clearance_of(k).min(reach));
-            let [minus, plus] = system.walls_of(k);
-            [[(middle - half).max(minus), (middle + half).min(plus)], [-v, v]]
-        };
-        let own = [[-x, x].map(|x| x.clamp(low, high)), [-v, v]];
-        own.into_iter().chain((0..self.middles.len()).flat_map(gap)).collect()
-    }
-
-    /// Trajectories of all absorbers from starts that are drawn from the usual box.
-    ///
-    /// # Errors
-    /// [`Invalid`] for another box, and as of the scene.
-    pub(super) fn drawn_of_all(
-        &self,
-        spec: &Spec,
-        drawn: Drawn,
-    ) -> Result<AllStarts<FewModes<DrivenHost>>, Invalid> {
-        let Member::System(like) = &self.member else {
-            return Ok(AllStarts { trajectories: vec![], numbers: vec![], bounds: vec![] });
-        };
-        if drawn.within != Within::Usual {
-            let rule = "starts of several absorbers are drawn from the usual box; leave it out";
-            return Err(Invalid::new("box", "given", rule));
-        }
-        let bounds = self.bounds_of_all(&like.system);
-        let cube = Cube::new(Method::Random, drawn.count, drawn.seed, false, bounds.len())
-            .map_err(|error| Invalid::new("starts", drawn.count.to_string(), error.to_string()))?;
-        let (mut trajectories, mut numbers) = (vec![], vec![]);
-        for point in 0..drawn.count {
-            let at = |(axis, [low, high]): (usize, &[f64; 2])| {
-                low + (high - low) * cube.coordinate(point, axis)
-            };
-            let one: Vec<f64> = bounds.iter().enumerate().map(at).collect();
-            let mut from = spec.clone();
-            from.replace(FieldId::Displacement, one[0])?;
-            from.replace(FieldId::Velocity, one[1])?;
-            for (field, first) in [(FieldId::GapDisplacement, 2), (FieldId::GapVelocity, 3)] {
-                let each: Vec<f64> = one[first..].iter().step_by(2).copied().collect();
-                from.clear(field.into());
-                from.set_starts(field, &each)?;
-            }
-            if let Member::System(trajectory) = Self::of_all(from, 1)?.member {
-                trajectories.push(*trajectory);
-                numbers.push(one);
-            }
-        }
-        Ok(AllStarts { trajectories, numbers, bounds })
-    }
-}
-
-/// Checks a box.
-fn checked(bounds: Bounds) -> Result<Bounds, Invalid> {
-    for (name, [low, high]) in NAMES.into_iter().zip(bounds) {
+    for (place, [low, high]) in bounds.iter().enumerate() {
         if !(low.is_finite() && high.is_finite() && low <= high) {
-            let shown = format!("({}, {})", number(low), number(high));
+            let shown = format!("({}, {})", number(*low), number(*high));
             let rule = "give two numbers, the smaller one first";
-            return Err(Invalid::new(format!("box.{name}"), shown, rule));
+            return Err(Invalid::new(format!("box.{}", name_of(place, count)), shown, rule));
         }
     }
-    Ok(bounds)
+    Ok(bounds.clone())
 }
