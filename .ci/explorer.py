@@ -8,8 +8,8 @@ the Debian package sources does, unpacked below target/wasm: nothing is installe
 for the target, which is compiled along; so the first build takes some ten minutes.
 """
 
-import gzip
 import hashlib
+import lzma
 import os
 import shutil
 import subprocess
@@ -21,13 +21,14 @@ CRATE = ROOT / "crates" / "iva-wasm"
 TARGET = "wasm32-unknown-unknown"
 FOLDER = ROOT / "target" / "wasm"
 WEB = ROOT / "python" / "iva" / "explorer" / "web"
-MODULE, DIGEST = WEB / "simulator.wasm.gz", WEB / "simulator.sources"
+MODULE, DIGEST = WEB / "simulator.wasm.lzma", WEB / "simulator.sources"
 #: The crates that it is made of.
 CRATES = ("iva-core", "iva-sweep", "iva-wasm")
 COMPILER = "rustc-web rust-web-src libstd-rust-web-dev libstd-rust-web-1.96 libllvm22 lld-22"
 #: Addresses in as few bytes as they need.
 FLAGS = "-Clink-arg=--compress-relocations"
-PACKAGES = [*COMPILER.split(), "zopfli"]
+#: How the module is packed: a byte of it depends on what came before it, and not on where it stands.
+PACKING = {"id": lzma.FILTER_LZMA1, "preset": 9 | lzma.PRESET_EXTREME, "lc": 4, "pb": 0}
 
 
 def unpacked() -> tuple[dict[str, str], list[str]]:
@@ -36,7 +37,7 @@ def unpacked() -> tuple[dict[str, str], list[str]]:
     if not (root / "usr" / "bin" / "rustc").exists():
         packages = FOLDER / "packages"
         packages.mkdir(parents=True, exist_ok=True)
-        subprocess.run(["apt-get", "download", *PACKAGES], cwd=packages, check=True)
+        subprocess.run(["apt-get", "download", *COMPILER.split()], cwd=packages, check=True)
         for package in sorted(packages.glob("*.deb")):
             subprocess.run(["dpkg-deb", "-x", package, root], check=True)
         shutil.rmtree(packages)
@@ -74,21 +75,10 @@ def build() -> None:
     command = ["cargo", "build", "--locked", "--release", "--target", TARGET, *options]
     subprocess.run(command, cwd=CRATE, env=os.environ | environment, check=True)
     built = (FOLDER / "target" / TARGET / "release" / "iva_wasm.wasm").read_bytes()
-    MODULE.write_bytes(compressed(built))
+    MODULE.write_bytes(lzma.compress(built, lzma.FORMAT_ALONE, filters=[PACKING]))
     DIGEST.write_text(f"{made_from}\n", encoding="ascii")
     size = MODULE.stat().st_size
     print(f"{MODULE.relative_to(ROOT)}: {size / 1e3:.0f} kB, {len(built) / 1e3:.0f} unpacked")
-
-
-def compressed(module: bytes) -> bytes:
-    """Return the module compressed by gzip, as small as can be where there is zopfli."""
-    unpacked = FOLDER / "debian" / "usr" / "bin" / "zopfli"
-    program = shutil.which("zopfli") or (str(unpacked) if unpacked.exists() else None)
-    if program is None:
-        return gzip.compress(module, 9, mtime=0)
-    plain = FOLDER / "simulator.wasm"
-    plain.write_bytes(module)
-    return subprocess.run([program, "-c", plain], capture_output=True, check=True).stdout
 
 
 def digest() -> str:

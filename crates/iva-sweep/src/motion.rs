@@ -42,6 +42,11 @@ pub fn samples(duration: f64, samples_per_period: u32) -> Result<u64, Invalid> {
 
 /// The observer that samples a trajectory.
 pub(crate) fn sampler(design: &Design, samples_per_period: u32) -> Result<Sampler, Invalid> {
+    Ok(Sampler::with_events(times(design, samples_per_period)?))
+}
+
+/// The instants of the samples of a run, in 1/ωn.
+pub(crate) fn times(design: &Design, samples_per_period: u32) -> Result<Vec<f64>, Invalid> {
     let (begin, duration) = (design.begin, design.limits.duration);
     let count = samples(duration - begin, samples_per_period)?;
     let step = std::f64::consts::TAU / f64::from(samples_per_period);
@@ -50,7 +55,7 @@ pub(crate) fn sampler(design: &Design, samples_per_period: u32) -> Result<Sample
     if times.last().is_some_and(|last| *last < duration) {
         times.push(duration);
     }
-    Ok(Sampler::with_events(times))
+    Ok(times)
 }
 
 /// The samples of a run in order of time.

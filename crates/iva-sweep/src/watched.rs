@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-use iva_core::absorber::modal::Tie;
+use iva_core::absorber::Point;
 use iva_core::error::Invalid;
 use iva_core::propagation::Errors;
 use iva_core::run::observed::Beside;
@@ -18,6 +18,7 @@ use crate::columns::columns;
 use crate::design::Design;
 use crate::engine::point::{Request, run};
 use crate::engine::rows::summary_row;
+use crate::fields::FieldId;
 use crate::motion;
 use crate::study::{Study, Table};
 
@@ -44,31 +45,39 @@ pub struct Watched {
     pub tables: BTreeMap<Table, Columns>,
     /// Energy of structure and absorber at each row of the trajectory, in the user's unit.
     pub energies: Vec<f64>,
+    /// The points of a structure with several modes; none of one that moves as one.
+    pub points: Points,
 }
 
-/// What a scene that [`takes`] refuses is to be told.
-pub const TAKEN: &str = "the explorer takes one absorber on one mode, one harmonic force or base motion, and neither friction, a spring or dashpot, an impulse nor tolerance";
-
-/// True if a design is run here: in the exact tier, with at most one harmonic force.
-pub fn takes(design: &Design) -> bool {
-    let scene = &design.scene;
-    let tied = scene.tie_of(0) != Tie::NONE;
-    let single = scene.count() <= 1 && !(scene.has_modes() || scene.rubs() || tied);
-    single
-        && design.tier != Tier::Fast
-        && design.scene.force().is_none_or(|force| force.is_single())
+/// The motion of the points of a structure at the samples that are no events.
+#[derive(Debug, Clone, Default)]
+pub struct Points {
+    /// Instants, in the user's unit.
+    pub times: Vec<f64>,
+    /// The name of each point with its displacements and velocities.
+    pub motions: Vec<(String, [Vec<f64>; 2])>,
 }
 
-/// Runs a study of one point; its trajectory has so many samples in a period 2π/ωn. `None`: [`takes`] refuses it.
+/// Checks that a design is run here: in the exact tier.
 ///
 /// # Errors
-/// [`Invalid`] for an invalid scene, or sampling.
-pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>, Invalid> {
+/// [`Invalid`] for a tolerance.
+pub fn check(design: &Design) -> Result<(), Invalid> {
+    if design.tier == Tier::Exact {
+        return Ok(());
+    }
+    let rule = "the explorer shows the exact motion; leave it out";
+    Err(Invalid::new(FieldId::Tolerance.path(), "greater than 0", rule))
+}
+
+/// Runs a study of one point; its trajectory has so many samples in a period 2π/ωn.
+///
+/// # Errors
+/// [`Invalid`] for an invalid scene or sampling, and as [`check`].
+pub fn watched(study: &Study, samples_per_period: u32) -> Result<Watched, Invalid> {
     study.spec.distinct()?;
     let design = study.design(0)?;
-    if !takes(&design) {
-        return Ok(None);
-    }
+    check(&design)?;
     let empty = |table: &Table| {
         let named = columns(*table).iter().map(|column| (column.name, Vec::new()));
         (*table, named.collect())
@@ -77,6 +86,7 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
     let mut tables: BTreeMap<Table, Columns> = shown.map(empty).collect();
     let request = Request::new(study);
     let mut sampler = motion::sampler(&design, samples_per_period)?;
+    sampler.modes = design.scene.has_modes().then(Vec::new);
     let observed: Beside<'_> =
         (study.errors.then(Box::<Errors>::default), (Some(&mut sampler), None));
     let mut take = |table, cells: &mut dyn Iterator<Item = Cell>| {
@@ -86,6 +96,8 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
     };
     let cancel = &AtomicBool::new(false);
     let ended = run(study, 0, &design, &request, cancel, observed, &mut take)?;
+    let modes = sampler.modes.take().unwrap_or_default();
+    let points = points(&design, &motion::times(&design, samples_per_period)?, &modes);
     let states = motion::in_order(sampler);
     let (_, mut trajectory) = empty(&Table::Trajectory);
     for state in &states {
@@ -96,15 +108,32 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
     let row = summary_row(study, 0, &design, &ended, &request.columns);
     let names = columns(Table::Summary).iter().map(|column| column.name);
     let summary = names.zip(row.into_iter().skip(1).map(value)).collect();
-    Ok(Some(Watched { summary, tables, energies }))
+    Ok(Watched { summary, tables, energies, points })
+}
+
+/// The motion of all points of a structure at these instants, by q and q̇ of its modes there.
+fn points(design: &Design, times: &[f64], modes: &[Vec<Point<f64>>]) -> Points {
+    let Some(structure) = design.scene.modes() else { return Points::default() };
+    let scale = &design.scale;
+    let motions = structure.points().map(|name| {
+        let shapes = structure.shapes(name).unwrap_or_default();
+        let at = |of: fn(&Point<f64>) -> f64| {
+            let sum = |all: &Vec<Point<f64>>| shapes.iter().zip(all).map(|(s, q)| s * of(q)).sum();
+            modes.iter().map(sum).collect::<Vec<f64>>()
+        };
+        let speeds = at(|q| q.v).into_iter().map(|v| scale.velocity(v));
+        (name.to_owned(), [at(|q| q.x), speeds.collect()])
+    });
+    let times = times.iter().zip(modes).map(|(time, _)| scale.time(*time));
+    Points { times: times.collect(), motions: motions.collect() }
 }
 
 /// The value of one measure at all points of a study, NaN where it is not defined and where the run ended early, so that no
-/// value is that of a part of a run. `None`: [`takes`] refuses a point.
+/// value is that of a part of a run.
 ///
 /// # Errors
-/// [`Invalid`] for an invalid point.
-pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> {
+/// [`Invalid`] for an invalid point, and as [`check`].
+pub fn measured(study: &Study, name: &str) -> Result<Vec<f64>, Invalid> {
     study.spec.distinct()?;
     study.sampling.check(&study.spec)?;
     let study = &Study { tables: vec![Table::Summary], ..study.clone() };
@@ -117,9 +146,7 @@ pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> 
     let mut values = Vec::new();
     for point in 0..study.points()? {
         let design = designer.design(point)?;
-        if !takes(&design) {
-            return Ok(None);
-        }
+        check(&design)?;
         let beside = Beside::default();
         let ended = run(study, point, &design, &request, cancel, beside, &mut |_, _| {})?;
         let row = summary_row(study, point, &design, &ended, &request.columns);
@@ -127,7 +154,7 @@ pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> 
         let cell = row.into_iter().nth(column).filter(|_| whole);
         values.push(cell.map_or(f64::NAN, number));
     }
-    Ok(Some(values))
+    Ok(values)
 }
 
 /// Adds a row, which begins with its point, to the columns of a table.

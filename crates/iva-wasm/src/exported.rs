@@ -12,7 +12,7 @@ use crate::fused::rounds_once;
 use crate::json::object;
 use crate::map::map;
 use crate::run::{Columns, placed, run};
-use crate::scene::{Scene, error, units_of};
+use crate::scene::{Scene, checked, error};
 use crate::words::described;
 
 /// What stays in memory between two calls.
@@ -68,12 +68,11 @@ pub extern "C" fn iva_describe() {
     answer(|_| Ok((described(), Columns::new())));
 }
 
-/// Checks the scene that was given, and answers with its units.
+/// Checks the scene that was given, and answers with its units, its natural frequency and its absorbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn iva_check() {
     answer(|given| {
-        let units = units_of(&Scene::read(given)?.spec)?;
-        Ok((object([("units", crate::json::text(units))]), Columns::new()))
+        Ok((checked(&Scene::read(given)?.spec)?, Columns::new()))
     });
 }
 

@@ -6,7 +6,7 @@ use iva_sweep::sampling::Sampling;
 use iva_sweep::study::Study;
 use iva_sweep::watched::measured;
 
-use crate::scene::{Scene, refused};
+use crate::scene::Scene;
 
 /// The measure of a scene at all points of its axes, the last axis fastest; NaN where it is not defined.
 ///
@@ -21,5 +21,5 @@ pub fn map(scene: Scene) -> Result<Vec<f64>, Invalid> {
         measures: Selection::from_names([name.as_str()]).map_err(unknown)?,
         ..Study::single(spec)
     };
-    measured(&study, &name)?.ok_or_else(|| refused(&study.spec))
+    measured(&study, &name)
 }

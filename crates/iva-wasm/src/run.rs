@@ -3,10 +3,10 @@
 use iva_sweep::Invalid;
 use iva_sweep::columns::Selection;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::watched::{Value, watched};
+use iva_sweep::watched::{Points, Value, watched};
 
 use crate::json::{self, list, object, text};
-use crate::scene::{Scene, refused};
+use crate::scene::Scene;
 
 /// The columns of numbers that an answer points to.
 pub type Columns = Vec<Vec<f64>>;
@@ -19,7 +19,7 @@ pub type Columns = Vec<Vec<f64>>;
 /// [`Invalid`] for a scene that cannot be run.
 pub fn run(scene: &Scene, samples: u32, errors: bool) -> Result<(String, Columns), Invalid> {
     let study = Study { measures: Selection::all(), errors, ..Study::single(scene.spec.clone()) };
-    let ran = watched(&study, samples)?.ok_or_else(|| refused(&study.spec))?;
+    let ran = watched(&study, samples)?;
     let mut columns = Columns::new();
     let summary = ran.summary.into_iter().map(|(name, value)| (name, shown(&value)));
     let summary: Vec<_> = summary.collect();
@@ -28,10 +28,19 @@ pub fn run(scene: &Scene, samples: u32, errors: bool) -> Result<(String, Columns
         ("energies", object([("total", placed(ran.energies, &mut columns))])),
         (Table::Summary.name(), object(summary)),
     ];
-    for (table, named) in ran.tables {
-        let places = named.into_iter().map(|(name, values)| (name, placed(values, &mut columns)));
-        let places: Vec<_> = places.collect();
-        parts.push((table.name(), object(places)));
+    let Points { times, motions } = ran.points;
+    parts.push(("samples", object([("time", placed(times, &mut columns))])));
+    let mut named = |all: Vec<(String, Vec<f64>)>| {
+        let placed = all.into_iter().map(|(name, values)| (name, placed(values, &mut columns)));
+        let placed: Vec<(String, String)> = placed.collect();
+        object(placed.iter().map(|(name, place)| (name.as_str(), place.clone())))
+    };
+    let split = motions.into_iter().map(|(name, [x, v])| ((name.clone(), x), (name, v)));
+    let (points, speeds) = split.unzip();
+    parts.extend([("points", named(points)), ("point_velocities", named(speeds))]);
+    for (table, columns) in ran.tables {
+        let columns = columns.into_iter().map(|(name, values)| (name.to_owned(), values));
+        parts.push((table.name(), named(columns.collect())));
     }
     Ok((object(parts), columns))
 }

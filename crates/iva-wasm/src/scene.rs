@@ -1,11 +1,15 @@
 //! A scene from the lines that describe it.
 
+use std::sync::Arc;
+
 use iva_sweep::Invalid;
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
 use iva_sweep::design::Spec;
+use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded, Selection};
 use iva_sweep::slot::Slot;
-use iva_sweep::watched::{TAKEN, takes};
+use iva_sweep::structure::{Entry, Structure};
+use iva_sweep::watched::check;
 
 use crate::json;
 
@@ -26,19 +30,40 @@ impl Scene {
     /// # Errors
     /// [`Invalid`] for the first value that cannot be used, and for a line that says nothing known.
     pub fn read(text: &str) -> Result<Self, Invalid> {
-        let (mut choices, mut scene) = (Choices::default(), Self::default());
-        let lines = || text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
-        for words in lines() {
-            if let ["choose", name, word] = words[..] {
-                choices.choose(name, word)?;
-            }
-        }
-        scene.spec = Spec::new(choices);
+        let lines = || text.lines().map(|line| line.split(' ').collect::<Vec<_>>());
+        let mut absorbers: Vec<Choices> = vec![];
+        let mut entries = vec![];
         for words in lines() {
             match words[..] {
-                [] | ["choose", ..] => {}
+                ["choose", name, word] => {
+                    if name == "kind" || absorbers.is_empty() {
+                        absorbers.push(Choices::default());
+                    }
+                    let last = absorbers.last_mut().into_iter();
+                    last.map(|it| it.choose(name, word)).collect::<Result<(), _>>()?;
+                }
+                ["entry", name, form, ref values @ ..] => add(&mut entries, name, form, values)?,
+                _ => {}
+            }
+        }
+        let mut spec = Spec::several(&absorbers)?;
+        if !entries.is_empty() {
+            spec = spec.with_structure(Arc::new(Structure::new(entries)?));
+        }
+        let mut scene = Self { spec, ..Self::default() };
+        for words in lines() {
+            match words[..] {
+                [""] | ["choose" | "entry", ..] => {}
                 ["set", path, value] => {
                     scene.spec.set(Slot::from_key(path)?, number(path, value)?)?
+                }
+                ["force"] => scene.spec.add_force(ForceSpec::new(None)),
+                ["record", kind, ref values @ ..] => {
+                    scene.spec.add_force(ForceSpec::new(Some(record(kind, &numbers(values)?)?)));
+                }
+                ["table", absorber, ref values @ ..] => {
+                    let absorber = absorber.parse().unwrap_or(usize::MAX);
+                    scene.spec.set_restitution_table(absorber, numbers(values)?.as_chunks().0)?;
                 }
                 ["axis", path, ref values @ ..] => {
                     let values = values.iter().map(|value| number(path, value));
@@ -52,19 +77,83 @@ impl Scene {
     }
 }
 
-/// The units of a scene that can be run.
+/// Adds what a line tells of an entry of a structure: all of it, or one more row or named list of numbers.
+fn add(
+    entries: &mut Vec<(String, Entry)>,
+    name: &str,
+    form: &str,
+    values: &[&str],
+) -> Result<(), Invalid> {
+    let texts = || values.iter().map(|text| decoded(text));
+    let begun = entries.iter_mut().find(|(known, _)| known == name).map(|(_, entry)| entry);
+    let entry = match (form, values, begun) {
+        ("row", _, Some(Entry::Rows(rows))) => return Ok(rows.push(numbers(values)?)),
+        ("row", _, _) => Entry::Rows(vec![numbers(values)?]),
+        ("named", [point, own @ ..], begun) => {
+            let own = (decoded(point), numbers(own)?);
+            match begun {
+                Some(Entry::Named(all)) => return Ok(all.push(own)),
+                _ => Entry::Named(vec![own]),
+            }
+        }
+        ("mode", [mode], _) => Entry::Mode(mode.parse().unwrap_or(0)),
+        ("name", [_], _) => Entry::Name(texts().collect()),
+        ("names", ..) => Entry::Names(texts().collect()),
+        ("numbers", ..) => Entry::Numbers(numbers(values)?),
+        _ => return Err(Invalid::new("entry", format!("{name} {form}"), "no such form")),
+    };
+    entries.push((name.to_owned(), entry));
+    Ok(())
+}
+
+/// A name without the signs that stand for spaces and other letters: %20 for a space.
+fn decoded(text: &str) -> String {
+    let mut parts = text.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let (code, rest) = part.split_at_checked(2).unwrap_or((part, ""));
+        bytes.extend(u8::from_str_radix(code, 16));
+        bytes.extend(rest.as_bytes());
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// A recorded force of times and values in turns.
+fn record(kind: &str, points: &[f64]) -> Result<Recorded, Invalid> {
+    let known = RecordKind::from_name(kind);
+    let kind = known.ok_or_else(|| Invalid::new("force.kind", kind, "no such kind"))?;
+    let (times, values) = points.chunks_exact(2).map(|it| (it[0], it[1])).unzip();
+    let history = Arc::new(History::new(times, values)?);
+    Ok(Recorded { history, kind, file: None, selection: Selection::default(), is_metric: false })
+}
+
+/// The units of a scene that can be run, its natural frequency in the user's unit, and of each absorber its number in the
+/// list, the point where it is, and its walls.
 ///
 /// # Errors
 /// [`Invalid`] for one that cannot, here or at all.
-pub fn units_of(spec: &Spec) -> Result<&'static str, Invalid> {
+pub fn checked(spec: &Spec) -> Result<String, Invalid> {
     spec.distinct()?;
     let design = spec.design()?;
-    if takes(&design) { Ok(design.units.name()) } else { Err(refused(spec)) }
+    check(&design)?;
+    let owners = spec.owners().take(design.scene.count()).enumerate();
+    let absorbers = owners.map(|(place, owner)| {
+        let at = spec.structure().map(|it| it.absorber_at(owner, spec.count())).transpose()?;
+        Ok(json::object([
+            ("owner", owner.to_string()),
+            ("point", at.map_or("null".to_owned(), json::text)),
+            ("walls", json::list(design.scene.walls_of(place).map(json::number))),
+        ]))
+    });
+    Ok(json::object([
+        ("units", json::text(design.units.name())),
+        ("natural", json::number(design.scale.natural_frequency)),
+        ("absorbers", json::list(absorbers.collect::<Result<Vec<_>, Invalid>>()?)),
+    ]))
 }
 
-/// What is said of a scene that is not for the event loop alone.
-pub fn refused(spec: &Spec) -> Invalid {
-    Invalid::new("force", spec.forces().len(), TAKEN)
+fn numbers(values: &[&str]) -> Result<Vec<f64>, Invalid> {
+    values.iter().map(|value| number("line", value)).collect()
 }
 
 fn number(path: &str, value: &str) -> Result<f64, Invalid> {
@@ -88,26 +177,47 @@ mod tests {
     const SCENE: &str = "choose kind siva\nset absorber.mass_ratio 0.1\nset absorber.restitution 0.6\n\
                          set absorber.clearance 0.5\nset start.displacement 1\nset run.periods 5";
 
-    fn told(more: &str) -> Result<&'static str, String> {
+    fn told(more: &str) -> Result<String, String> {
         let read = Scene::read(&format!("{SCENE}\n{more}"));
-        read.and_then(|scene| units_of(&scene.spec)).map_err(|invalid| invalid.to_string())
+        read.and_then(|scene| checked(&scene.spec)).map_err(|invalid| invalid.to_string())
     }
 
     #[test]
     fn what_cannot_be_run_is_refused_with_its_field() {
-        assert_eq!(told(""), Ok("natural"));
-        assert_eq!(told("set force.amplitude 0.1\nset force.frequency 1"), Ok("natural"));
+        let absorber = r#"{"owner":0,"point":null,"walls":[-0.5,0.5]}"#;
+        let scene = format!(r#"{{"units":"natural","natural":1.0,"absorbers":[{absorber}]}}"#);
+        assert_eq!(told(""), Ok(scene.clone()));
+        assert_eq!(told("set force.amplitude 0.1\nset force.frequency 1"), Ok(scene));
         for (more, field) in [
             ("set absorber.restitution 1.5", "absorber.restitution"),
             ("set absorber.gap 1", "absorber.gap"),
             ("set absorber.mass_ratio much", "absorber.mass_ratio"),
-            ("set run.tolerance 1e-9", "no tolerance"),
-            ("set force.velocity 1", "one harmonic force"),
+            ("set run.tolerance 1e-9", "exact motion"),
+            ("set force.velocity 1\nset force.frequency 1", "force.frequency"),
+            ("table 0 1 0.5", "restitution_table"),
+            ("entry points rows 1", "no such form"),
+            ("record push 0 1", "no such kind"),
             ("drop everything", "no such instruction"),
         ] {
             let sentence = told(more).expect_err(more);
             assert!(sentence.contains(field), "{more}: {sentence}");
         }
+    }
+
+    #[test]
+    fn a_list_rides_on_a_structure_with_modes() {
+        let text = "choose kind siva\nchoose kind piva\nchoose angles small\n\
+            entry frequencies numbers 6 20\nentry absorber_at names a%20b c\n\
+            entry points named a%20b 0.1 0.08\nentry points named c 0.06 -0.09\n\
+            set absorber.mass 2\nset absorber.restitution 0.6\nset absorber.clearance 0.1\n\
+            set absorber.1.length 2\nset start.displacement 1\nset run.periods 2\nforce\nforce\n\
+            set force.0.impulse 1\nset force.1.force 1\nset force.1.frequency 3";
+        let scene = Scene::read(text).expect("a scene");
+        let told = checked(&scene.spec).expect("one that can be run");
+        assert!(told.starts_with(r#"{"units":"si","natural":6.0,"#), "{told}");
+        assert!(told.contains(r#""owner":1,"point":"c""#), "{told}");
+        let (text, _) = crate::run::run(&scene, 20, false).expect("a run");
+        assert!(text.contains(r#""points":{"a b":["#), "{text}");
     }
 
     #[test]

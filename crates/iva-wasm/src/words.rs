@@ -7,32 +7,10 @@ use iva_sweep::units::UnitSystem;
 
 use crate::json::{self, list, object, text};
 
-/// Fields of scenes that are not simulated here.
-const ELSEWHERE: [FieldId; 8] = [
-    FieldId::Units,
-    FieldId::ClearanceSpread,
-    FieldId::Friction,
-    FieldId::StaticFriction,
-    FieldId::GapDamping,
-    FieldId::GapDampingRatio,
-    FieldId::StartImpulse,
-    FieldId::StartImpulseVelocity,
-];
-
-/// Fields that make a pendulum a member of a structure with modes, of which there are none here.
-const OF_MASSES: [FieldId; 6] = [
-    FieldId::GapOffset,
-    FieldId::GapOffsetMm,
-    FieldId::ReferenceSpeed,
-    FieldId::YieldSpeed,
-    FieldId::Inclination,
-    FieldId::InclinationDeg,
-];
-
 /// All fields, choices and measures.
 pub fn described() -> String {
     let kinds = |kinds: &[Kind]| list(kinds.iter().map(|it| text(it.name())));
-    let fields = FieldId::all().filter(|id| !ELSEWHERE.contains(id)).map(|id| {
+    let fields = FieldId::all().map(|id| {
         let field = id.info();
         object([
             ("path", text(&id.path())),
@@ -43,10 +21,8 @@ pub fn described() -> String {
             ("allowed", text(field.allowed.words())),
             ("help", text(field.help)),
             ("group", text(field.group)),
-            (
-                "kinds",
-                if OF_MASSES.contains(&id) { kinds(&[Kind::Siva]) } else { kinds(field.kinds) },
-            ),
+            ("kinds", kinds(field.kinds)),
+            ("of_absorber", id.of_absorber().to_string()),
             ("default", id.default().map_or("null".to_owned(), json::number)),
         ])
     });

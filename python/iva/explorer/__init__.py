@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from iva.explorer.notebook import Widget
     from iva.forces import Force
+    from iva.structures import Structure
 
 __all__ = ["Explorer", "explore"]
 
@@ -105,15 +106,16 @@ class Explorer:
             return {"text/plain": repr(self), "text/html": frame}
 
     def __repr__(self) -> str:
-        """Return the kind of absorber, and how to make a file."""
-        kind = self._now["choices"]["kind"]
+        """Return the kinds of absorbers, and how to make a file."""
+        choices = self._now["choices"].items()
+        kind = ", ".join(word for name, word in choices if name.endswith("kind"))
         return f"Explorer(kind={kind!r}); explorer.write('page.html') makes a file of it"
 
 
 @spell_checked
 def explore(
-    scene: Run | Absorber | None = None,
-    primary: Primary | None = None,
+    scene: Run | Absorber | Sequence[Absorber] | None = None,
+    primary: Primary | Structure | None = None,
     *,
     start: Start | None = None,
     force: Force | Sequence[Force] | None = None,
@@ -125,15 +127,15 @@ def explore(
 
     Parameters
     ----------
-    scene : Run, Siva, Piva or None, optional
-        A run, whose scene is taken; or the absorber of a scene, with the parts that follow, as in
+    scene : Run, Siva, Piva, a list of them, or None, optional
+        A run, whose scene is taken; or the absorbers of a scene, with the parts that follow, as in
         :func:`iva.simulate`. Without any argument the page begins with a free mass that settles.
-    primary : Primary, optional
+    primary : Primary or Structure, optional
         The primary system; needed unless `scene` is a run.
     start : Start, optional
         The state at time zero.
-    force : Harmonic, optional
-        What drives it: one harmonic force or base motion.
+    force : Harmonic, Impulse, Recorded or a list of them, optional
+        What drives it.
     periods, duration, cycles : float, optional
         Length of the run: one of them, as in :func:`iva.simulate`.
 
@@ -148,9 +150,8 @@ def explore(
     TypeError
         If an argument is of the wrong type, or parts are given beside a run.
     ValueError
-        If the scene has something that the page does not show: more than one absorber or unit, more
-        than one force or one that is not harmonic, an impulse, friction, a dashpot, a table of the
-        restitution, or a structure with several modes.
+        If the scene has something that the page does not show: a stop on the ground, or a
+        tolerance.
 
     Examples
     --------

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from base64 import b64encode
+import lzma
+from base64 import b85encode
 from functools import cache
-from gzip import compress
 from importlib.resources import files
 
 from iva._iva import VERSION
@@ -26,18 +26,23 @@ def read(name: str) -> str:
     return (WEB / name).read_text(encoding="utf-8")
 
 
+def written(packed: bytes) -> str:
+    """Return bytes in base 85; the sign that begins the end of an element is another."""
+    return b85encode(packed).decode("ascii").replace("<", "/")
+
+
 @cache
 def simulator() -> str:
-    """Return the simulator, a module of WebAssembly compressed by gzip, in base64."""
-    return b64encode((WEB / "simulator.wasm.gz").read_bytes()).decode("ascii")
+    """Return the simulator, a module of WebAssembly in the format .lzma, as a text."""
+    return written((WEB / "simulator.wasm.lzma").read_bytes())
 
 
 @cache
 def packed() -> str:
-    """Return the script, compressed by gzip, in base64."""
+    """Return the script in the format .lzma, as a text."""
     style = json.dumps(re.sub(r"(?m)^ +", "", read("explorer.css")))
     whole = f"{script()}export {{ mount }};\nexport const style = {style};\n"
-    return b64encode(compress(whole.encode(), 9, mtime=0)).decode("ascii")
+    return written(lzma.compress(whole.encode(), lzma.FORMAT_ALONE, preset=9))
 
 
 #: What a page does not need of its modules: imports, for names stand in one scope, comments that
@@ -54,7 +59,11 @@ SUPERFLUOUS = (
 @cache
 def script() -> str:
     """Return all modules as one."""
-    whole = "\n".join(read(f"{name}.js") for name in MODULES)
+    return plain("\n".join(read(f"{name}.js") for name in MODULES))
+
+
+def plain(whole: str) -> str:
+    """Return modules without what a page does not need."""
     for pattern in SUPERFLUOUS:
         whole = re.sub(pattern, "", whole)
     return whole
@@ -63,6 +72,7 @@ def script() -> str:
 def page(scene: Explored, *, brief: bool = False) -> str:
     """Return the page with a scene to begin with; `brief`: the drawing, x(t) and sliders alone."""
     parts = {
+        "%UNPACK%": plain(read("unpack.js")),
         "%SCRIPT%": packed(),
         "%WASM%": simulator(),
         # A text in it must not end the element that holds it.

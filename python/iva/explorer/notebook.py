@@ -9,7 +9,7 @@ import anywidget
 import traitlets
 
 from iva._iva import VERSION
-from iva.explorer.document import read, script, simulator
+from iva.explorer.document import plain, read, script, simulator
 from iva.explorer.scenes import Explored
 
 
@@ -17,7 +17,7 @@ from iva.explorer.scenes import Explored
 def module() -> str:
     """Return what a notebook runs: the page's script, its simulator, and the widget's functions."""
     given = f"const WASM = {json.dumps(simulator())};\nconst VERSION = {json.dumps(VERSION)};\n"
-    return script() + given + read("notebook.js")
+    return plain(read("unpack.js")) + script() + given + read("notebook.js")
 
 
 class Widget(anywidget.AnyWidget):

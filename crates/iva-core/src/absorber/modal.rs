@@ -127,9 +127,6 @@ pub type FewModes<H> = Modal<H, FEW, FEW>;
 /// The name of the only point of a structure that moves as one.
 pub const PRIMARY: &str = "primary";
 
-/// Whether there are masses, and structures that do not move as one: a program without them is kept small.
-const SYSTEMS: bool = cfg!(feature = "systems");
-
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
 pub(crate) const AT_ONCE_ULPS: f64 = 8.0;
 
@@ -217,7 +214,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
         structure: ModalStructure<R>,
         masses: &[(FreeMass<R>, &str)],
     ) -> Result<Self, Invalid> {
-        let (count, most) = (masses.len(), if SYSTEMS { MOST.min(N) } else { 0 });
+        let (count, most) = (masses.len(), MOST.min(N));
         if count > most || N == 0 {
             let rule = format!("give from 1 to {most} absorbers");
             return Err(Invalid::new("absorber", format!("a list of {count}"), rule));
@@ -332,12 +329,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             reach: R::ZERO,
             leaps: OnceLock::new(),
         };
-        let driven = driven.completed();
-        if !(SYSTEMS || driven.oscillates) {
-            let rule = "give one that moves as one here";
-            return Err(Invalid::new("structure", "several modes", rule));
-        }
-        Ok(driven)
+        Ok(driven.completed())
     }
 }
 
@@ -345,19 +337,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     /// Number of masses.
     #[inline(always)]
     pub(crate) fn count(&self) -> usize {
-        if SYSTEMS { self.count } else { 0 }
+        self.count
     }
 
     /// True if there are pendulums.
     #[inline(always)]
     fn swings(&self) -> bool {
-        SYSTEMS && self.swings
+        self.swings
     }
 
     /// True if the structure moves as one oscillator, and nothing ties a mass to it.
     #[inline(always)]
     fn oscillates(&self) -> bool {
-        !SYSTEMS || self.oscillates
+        self.oscillates
     }
 
     /// The system with what follows from its parts.

@@ -13,7 +13,7 @@ use super::modal;
 use super::pendulum::{self, Common};
 use super::restitution;
 use super::scale::Scale;
-use super::scene::{EVERY_SCENE, Mounted, Scene};
+use super::scene::{Mounted, Scene};
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
@@ -168,21 +168,13 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
-        if let Some(structure) = self.spec.structure().filter(|_| EVERY_SCENE) {
+        if let Some(structure) = self.spec.structure() {
             return modal::scene(self, structure, start, force, scale);
         }
-        if let Some((path, value)) = modal::needed(self) {
-            if !EVERY_SCENE {
-                return Err(Invalid::new(path, number(value), "leave it out here"));
-            }
+        if modal::needed(self) {
             return modal::on_primary(self, start, force, scale, units);
         }
-        let units_of_first = self.spec.units_of(0);
-        if self.spec.count() > 1 || units_of_first > 1 {
-            if !EVERY_SCENE {
-                let units = format!("{} in a list, {units_of_first} units", self.spec.count());
-                return Err(Invalid::new("absorber", units, "give one absorber of one unit here"));
-            }
+        if self.spec.count() > 1 || self.spec.units_of(0) > 1 {
             return modal::on_primary(self, start, force, scale, units);
         }
         match self.spec.choices().kind {

@@ -91,12 +91,11 @@ pub(super) fn at_rest<R: Real>(given: &Given<'_, R>) -> Result<Option<R>, Invali
     Err(Invalid::new(given.path(FieldId::StaticFriction), number(at_rest), rule))
 }
 
-/// The friction of an absorber, or of one in a list its inclination, where weight does something to it.
-pub(super) fn weighs<R: Real>(given: &Given<'_, R>, several: bool) -> Option<(FieldId, R)> {
+/// True if an absorber has friction, or one in a list an inclination.
+pub(super) fn weighs<R: Real>(given: &Given<'_, R>, several: bool) -> bool {
     let inclined = [FieldId::Inclination, FieldId::InclinationDeg].into_iter().filter(|_| several);
-    let fields = inclined.chain([FieldId::Friction, FieldId::StaticFriction]);
-    let of = |field| Some((field, given.get(field).filter(|value| *value != 0.0)?));
-    fields.filter_map(of).next()
+    let mut fields = inclined.chain([FieldId::Friction, FieldId::StaticFriction]);
+    fields.any(|field| given.get(field).is_some_and(|value| value != 0.0))
 }
 
 /// The gap displacement at the start on an inclined line of motion: the lower stop, unless one is given.

@@ -14,7 +14,7 @@ use iva_core::siva::FreeMass;
 use super::free_mass;
 use super::given::Given;
 use super::scale::Scale;
-use super::scene::{EVERY_SCENE, Mounted, Scene};
+use super::scene::{FEW_APART, Mounted, Scene};
 use super::several::{self, Member};
 use super::ties;
 use crate::choices::{Choices, Kind};
@@ -76,10 +76,10 @@ pub(super) fn scene<R: Real>(
     mounted(given, modes, riding, begin, [&seen, pushed], force)
 }
 
-/// What makes the absorbers of a structure that moves as one those of a structure with modes, with its path and value: a spring or a dashpot,
+/// True if the absorbers of a structure that moves as one are run as those of a structure with modes, for what they have: a spring or a dashpot,
 /// friction, in a list an inclination, for a pendulum an offset of its gap, friction in its pivot, an inclination or a restitution that depends on the speed, one wall only, and a
 /// stop on the ground.
-pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
+pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> bool {
     let of_pendulum = [
         F::GapOffset,
         F::GapOffsetMm,
@@ -89,33 +89,22 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> Option<(String, f64)> {
         F::Inclination,
         F::InclinationDeg,
     ];
-    let pendulums = || {
-        let all = (0..given.spec.count()).map(|absorber| given.of(absorber));
-        all.filter(|own| own.choices().kind == Kind::Piva)
+    let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
+    let needs = |own: Given<'_, R>| {
+        let Choices { kind, walls, .. } = own.choices();
+        let value = |field: &F| own.spec.get_of(own.absorber, *field).unwrap_or(0.0);
+        walls.only().is_some()
+            || match kind {
+                Kind::Piva => {
+                    own.spec.restitution_table(own.absorber).is_some()
+                        || of_pendulum.iter().any(|field| value(field) != 0.0)
+                }
+                Kind::Siva => free_mass::weighs(&own, several),
+                Kind::Stop => true,
+                Kind::None => false,
+            }
     };
-    let table = pendulums().find(|own| own.spec.restitution_table(own.absorber).is_some());
-    let table = table.map(|own| (given.spec.table_path(own.absorber), 0.0));
-    let on_pendulum = pendulums().find_map(|own| {
-        of_pendulum.iter().find_map(|field| {
-            let value = own.spec.get_of(own.absorber, *field);
-            Some((own.path(*field), value.filter(|value| *value != 0.0)?))
-        })
-    });
-    let of_words = (0..given.spec.count()).find_map(|absorber| {
-        let Choices { kind, walls, .. } = given.spec.choices_of(absorber);
-        let word = if *kind == Kind::Stop { "kind" } else { "walls" };
-        let of_modes = *kind == Kind::Stop || walls.only().is_some();
-        of_modes.then(|| (format!("{}.{word}", Part::Absorber.name()), 0.0))
-    });
-    ties::given(given).or(on_pendulum).or(table).or(of_words).or_else(|| {
-        let several = given.spec.count() > 1 || given.spec.units_of(0) > 1;
-        let masses = (0..given.spec.count()).map(|absorber| given.of(absorber));
-        let mut masses = masses.filter(|own| own.choices().kind == Kind::Siva);
-        masses.find_map(|own| {
-            let (field, value) = free_mass::weighs(&own, several)?;
-            Some((own.path(field), value.double()))
-        })
-    })
+    ties::given(given).is_some() || (0..given.spec.count()).any(|absorber| needs(given.of(absorber)))
 }
 
 /// The scene of all absorbers of a list, or of none, on a structure that moves as one.
@@ -225,7 +214,7 @@ fn mounted<R: Real>(
     let stops = riding.masses.iter().filter(|(mass, _)| mass.mass_ratio() == 0.0).count();
     let bodies = riding.bodies.iter().flatten().count();
     let few = riding.masses.len() <= FEW && modes.count() + tied + stops + bodies <= FEW;
-    if R::FAST_PATHS && (few || !EVERY_SCENE) {
+    if R::FAST_PATHS && FEW_APART && few {
         let few = with_room(given, modes, riding, begin, points, force)?;
         return Ok(Scene::FewModes(Box::new(few)));
     }

@@ -11,7 +11,6 @@ use iva_core::absorber::restitution::RestitutionLaw;
 use iva_core::real::Real;
 
 use super::given::Given;
-use super::scene::EVERY_SCENE;
 use crate::error::{Invalid, number};
 use crate::fields::{FieldId, quotient};
 
@@ -26,7 +25,7 @@ pub(super) fn restitution<R: Real>(given: &Given<'_, R>) -> Result<R, Invalid> {
     if given.get(FieldId::YieldSpeed).is_some() {
         return Ok(R::ONE);
     }
-    let table = given.spec.restitution_table(given.absorber).filter(|_| EVERY_SCENE);
+    let table = given.spec.restitution_table(given.absorber);
     if let Some([_, slow]) = table.and_then(|table| table.points().first()) {
         return Ok(R::from(*slow));
     }
@@ -51,7 +50,7 @@ pub(super) fn laws<R: Real>(
     };
     use FieldId as F;
     let others = [F::Restitution, F::RestitutionMinus, F::ReferenceSpeed, F::RestitutionExponent];
-    if let Some(table) = given.spec.restitution_table(given.absorber).filter(|_| EVERY_SCENE) {
+    if let Some(table) = given.spec.restitution_table(given.absorber) {
         let path = given.spec.table_path(given.absorber);
         let rule = format!("{path} is given as well; give one of them");
         refused(&[F::YieldSpeed], rule.clone())?;

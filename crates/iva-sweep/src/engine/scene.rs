@@ -36,20 +36,20 @@ pub enum Scene<R: Real = f64> {
     FewModes(Box<Mounted<FewModes<DrivenHost<R>>>>),
 }
 
-/// Whether several absorbers, structures with several modes and friction are simulated as well: a program without sweeps
-/// is kept small, and does not.
-pub(crate) const EVERY_SCENE: bool = cfg!(feature = "sweeps");
+/// Whether systems of few masses and modes are a kind of scene of their own, which is faster: a program without sweeps is
+/// kept small, and has one kind for all.
+pub(crate) const FEW_APART: bool = cfg!(feature = "sweeps");
 
 /// Code for the system of a scene of any kind, with its start, in numbers `R`.
 macro_rules! with_system {
     ($scene:expr, |$mounted:ident| $body:expr) => {{
-        use $crate::engine::scene::{EVERY_SCENE, Scene};
+        use $crate::engine::scene::{FEW_APART, Scene};
         match $scene {
             Scene::Siva($mounted) if Scene::<R>::UNDRIVEN => $body,
             Scene::DrivenSiva($mounted) => $body,
             Scene::Piva($mounted) => $body,
-            Scene::Modal($mounted) if EVERY_SCENE => $body,
-            Scene::FewModes($mounted) if R::FAST_PATHS => $body,
+            Scene::Modal($mounted) => $body,
+            Scene::FewModes($mounted) if R::FAST_PATHS && FEW_APART => $body,
             _ => unreachable!("scenes of this kind are not built"),
         }
     }};
@@ -129,7 +129,7 @@ impl<R: Real> Scene<R> {
     }
 
     /// The modes of the structure, where it is run by them.
-    fn modes(&self) -> Option<&ModalStructure<R>> {
+    pub(crate) fn modes(&self) -> Option<&ModalStructure<R>> {
         match self {
             Scene::Modal(it) => Some(it.system.structure()),
             Scene::FewModes(it) => Some(it.system.structure()),

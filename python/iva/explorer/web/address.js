@@ -1,5 +1,7 @@
 // The scene in the address: after the #, a short key and a number for every value.
 
+import { kindsOf, plain } from "./slots.js";
+
 const KEYS = {
   "primary.damping_ratio": "z", "primary.damping": "c", "primary.natural_frequency": "w",
   "primary.frequency_hz": "fn", "primary.stiffness": "k", "primary.mass": "M",
@@ -21,29 +23,46 @@ const CHOICES = {
   kind: ["siva", "piva", "none"],
   angles: ["large", "small"],
   impact_law: ["consistent", "printed"],
+  walls: ["both", "plus", "minus"],
 };
 
-/** The part of an address after the #; fields without a short key have their path. */
-export function toAddress(scene) {
-  const parts = Object.entries(scene.choices).map(([name, word]) => `${name}=${word}`);
-  for (const [path, value] of Object.entries(scene.values)) parts.push(`${KEYS[path] ?? path}=${value}`);
+/** The number before a name, with its point, and the name. */
+function split(key) {
+  const [, number = "", name] = /^(\d+\.)?(.*)$/.exec(key);
+  return [number, name];
+}
+
+/**
+ * The part of an address after the #; fields without a short key have their path, and in a list the number of their absorber or
+ * force before it. What is fixed is in it but for records, which are too long.
+ */
+export function toAddress({ choices, values, fixed: { records, ...fixed } }) {
+  const parts = Object.entries(choices).map(([name, word]) => `${name}=${word}`);
+  for (const [path, value] of Object.entries(values)) {
+    const [, number = ""] = /\.(\d+\.)/.exec(path) ?? [];
+    parts.push(`${number}${KEYS[plain(path)] ?? plain(path)}=${value}`);
+  }
+  if (Object.keys(fixed).length) parts.push(`fixed=${encodeURIComponent(JSON.stringify(fixed))}`);
   return parts.join("&");
 }
 
 /** The scene of an address, or null if it holds none. The engine judges the values. */
 export function fromAddress(text, fields) {
-  const paths = new Map([...fields.keys()].map((path) => [path, path]));
-  for (const [path, key] of Object.entries(KEYS)) if (fields.has(path)) paths.set(key, path);
-  const scene = { choices: { kind: "siva" }, values: {} };
-  let found = false;
+  const paths = new Map(fields.flatMap(({ path }) => [[path, path], [KEYS[path] ?? path, path]]));
+  const scene = { choices: {}, values: {}, fixed: {} };
   for (const part of text.replace(/^#/, "").split("&")) {
-    const [key, word] = part.split("=");
-    if (Object.hasOwn(CHOICES, key) && CHOICES[key].includes(word)) {
-      scene.choices[key] = word;
-      found ||= key === "kind";
-    } else if (paths.has(key) && word && Number.isFinite(Number(word))) {
-      scene.values[paths.get(key)] = Number(word);
+    const [key, word = ""] = part.split("=");
+    const [number, name] = split(key);
+    const path = paths.get(name);
+    if (CHOICES[name]?.includes(word)) scene.choices[key] = word;
+    else if (path && word && Number.isFinite(Number(word))) scene.values[path.replace(".", `.${number}`)] = Number(word);
+    else if (key === "fixed") {
+      try {
+        scene.fixed = JSON.parse(decodeURIComponent(word));
+      } catch {
+        // It is no text that this page has written.
+      }
     }
   }
-  return found ? scene : null;
+  return kindsOf(scene.choices).length ? scene : null;
 }

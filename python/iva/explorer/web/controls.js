@@ -1,7 +1,8 @@
 // A row for every quantity: a slider and a number, in a form that one can choose.
 
+import { Engine } from "./engine.js";
 import { clamp, freshId, make, rounded, shown, unitText } from "./format.js";
-import { formsOf, isUsual, rangeOf, settingOf, wordsOf } from "./slots.js";
+import { formsOf, isUsual, plain, rangeOf, wordsOf } from "./slots.js";
 import { inForm } from "./units.js";
 
 const STEPS = 400;
@@ -43,7 +44,7 @@ class Row {
     const [low, high, byFactors] = this.range();
     const share = Number(this.slider.value) / STEPS;
     const value = byFactors ? low * (high / low) ** share : low + share * (high - low);
-    const whole = ["max_impacts", "max_work", "cycles", "discard"].includes(this.field.name);
+    const whole = ["max_impacts", "max_work", "cycles", "discard", "units"].includes(this.field.name);
     const short = whole ? Math.round(value) : rounded(value, Math.abs(value) < 1e-12 ? 1 : 3);
     const near = byFactors ? short : Number(short.toFixed(Math.max(0, 2 - Math.floor(Math.log10(high - low)))));
     this.explorer.edit(this.explorer.inSlot(this.field.path, near), `slide ${this.field.path}`);
@@ -63,7 +64,7 @@ class Row {
     const to = this.form.value;
     const value = explorer.values[field.path] ?? field.default;
     const carried = value === undefined || value === null ? NaN
-      : inForm(field.path, value, to, settingOf(explorer.values));
+      : inForm(field.path, value, to, explorer.setting);
     const next = Number.isFinite(carried) ? carried : explorer.fields.get(to).default ?? undefined;
     this.anchor = undefined;
     this.chosen = to;
@@ -72,7 +73,7 @@ class Row {
 
   show() {
     const { explorer, slot } = this;
-    const forms = formsOf(slot, explorer.choices.kind, explorer.units);
+    const forms = formsOf(slot, explorer.kinds, explorer.units);
     const given = forms.find((field) => explorer.values[field.path] !== undefined);
     this.field = given ?? forms.find((field) => field.path === this.chosen) ?? forms[0];
     const { path } = this.field;
@@ -137,41 +138,57 @@ export class Controls {
 
   show() {
     const { explorer } = this;
-    const sort = excitationOf(explorer.values);
-    const key = [explorer.choices.kind, explorer.units, sort, isRising(explorer.values)].join();
-    if (this.made !== key) this.build(key, sort);
+    const sorts = Array.from({ length: Math.max(1, Engine.forces(explorer)) }, (_, force) => excitationOf(explorer, force));
+    const key = [JSON.stringify(explorer.choices), explorer.units, sorts, isRising(explorer.values)].join();
+    if (this.made !== key) this.build(key, sorts);
     for (const row of this.rows) row.show();
   }
 
-  build(key, sort) {
+  build(key, sorts) {
     this.made = key;
     this.rows = [];
-    const sections = Object.entries(SECTIONS).map(([part, title]) => this.section(part, title, sort));
-    this.element.replaceChildren(...sections.filter(Boolean));
+    const { kinds } = this.explorer;
+    const several = (part, title, all) => (all.length < 2 ? [[part, title]] : all.map((_, number) => [part, `${title} ${number}`, number]));
+    const sections = Object.entries(SECTIONS).flatMap(([part, title]) => (
+      part === "absorber" ? several(part, title, kinds) : part === "force" ? several(part, title, sorts) : [[part, title]]));
+    this.element.replaceChildren(...sections.map((section) => this.section(section, sorts)).filter(Boolean));
   }
 
-  section(part, title, sort) {
+  /** A section of a part; of several absorbers or forces of that with a number. */
+  section([part, title, number], sorts) {
     const { explorer } = this;
-    const slots = explorer.slots.filter((slot) => slot.part === part && explorer.forms(slot).length
-      && (part !== "force" || EXCITATIONS[sort].groups.includes(slot.key))
+    const sort = sorts[number ?? 0];
+    const slots = explorer.slots.filter((slot) => slot.number === number && explorer.forms(slot).length
+      // In a list an absorber has its start with it.
+      && (slot.part === part || (part === "absorber" && number !== undefined && slot.part === "start"))
+      && (part !== "force" || EXCITATIONS[sort].groups.includes(plain(slot.key)))
+      && !(part === "primary" && explorer.fixed.structure)
       && !(slot.key === "primary.mass" && explorer.units !== "si"));
     const rows = slots.map((slot) => new Row(explorer, slot));
     this.rows.push(...rows);
-    const extra = part === "force" ? [excitationChoice(explorer, sort)] : part === "absorber" ? [gravityChoice(explorer)] : [];
-    if (!rows.length && part !== "force") return null;
+    const free = number === undefined;
+    const extra = part === "force" && free && sort !== "record" ? [excitationChoice(explorer, sort)]
+      : part === "absorber" && free ? [gravityChoice(explorer)] : [];
+    if (!rows.length && (part !== "force" || !extra.length)) return null;
     // Without dimensions a frequency is not given: to give one makes times seconds.
     const usual = (slot) => isUsual(slot) && !(slot.key === "primary.frequency" && explorer.units === "natural")
-      && !(slot.key === "absorber.inclination" && !isRising(explorer.values));
+      && !(plain(slot.key) === "absorber.inclination" && !isRising(explorer.values));
+    // What makes a scene of another kind stands open where it is given.
+    const given = (slot) => OPENED.includes(plain(slot.key)) && slot.fields.some(({ path }) => explorer.values[path] !== undefined);
+    const stands = ({ slot }) => usual(slot) || given(slot);
     const order = (a, b) => Number(isUsual(b.slot)) - Number(isUsual(a.slot));
-    const open = rows.filter((row) => usual(row.slot)).sort(order);
-    const others = rows.filter((row) => !usual(row.slot));
+    const open = rows.filter(stands).sort(order);
+    const others = rows.filter((row) => !open.includes(row));
     const more = make("details", {
-      open: this.open.has(part), ontoggle: () => this.open[more.open ? "add" : "delete"](part),
+      open: this.open.has(title), ontoggle: () => this.open[more.open ? "add" : "delete"](title),
     }, make("summary", {}, `More of ${title.toLowerCase()}`), ...others.map((row) => row.element));
     return make("fieldset", { class: `part part-${part}` }, make("legend", {}, title), ...extra,
       ...open.map((row) => row.element), others.length ? more : null);
   }
 }
+
+/** Slots that stand open where they are given. */
+const OPENED = ["absorber.friction", "absorber.gap_damping", "absorber.spring", "absorber.units", "absorber.clearance_spread"];
 
 /** Sorts of excitation: what they are called, the slots they have, and what they begin with. */
 const EXCITATIONS = {
@@ -183,19 +200,25 @@ const EXCITATIONS = {
     label: "harmonic base motion", groups: ["force.amplitude", "force.frequency", "force.phase"],
     path: "force.base_acceleration",
   },
+  impulse: { label: "impulse", groups: ["force.impulse", "force.time"], path: "force.velocity" },
+  record: { label: "record", groups: ["force.scale"] },
 };
 
-export function excitationOf(values) {
-  if (values["force.base_acceleration"] !== undefined) return "base";
-  if (["amplitude", "force"].some((name) => values[`force.${name}`] !== undefined)) return "force";
-  return "none";
+/** The sort of the force of this number. */
+export function excitationOf({ values, fixed }, number = 0) {
+  if (fixed.records?.[number]) return "record";
+  const given = (pattern) => Object.keys(values).some((path) => (
+    plain(path) === path ? number === 0 : path.startsWith(`force.${number}.`)) && pattern.test(plain(path)));
+  if (given(/^force\.base_/)) return "base";
+  if (given(/^force\.(velocity|impulse)$/)) return "impulse";
+  return given(/^force\.(amplitude|force)$/) ? "force" : "none";
 }
 
 function excitationChoice(explorer, sort) {
   const id = freshId();
   const choice = make("select", { id, onchange: () => excite(explorer, choice.value) },
-    ...Object.entries(EXCITATIONS).map(([value, { label }]) => make("option", { value, selected: value === sort }, label)));
-  return make("div", { class: "choice" }, make("label", { for: id }, "Force or base motion"), choice);
+    ...Object.entries(EXCITATIONS).filter(([value]) => value !== "record").map(([value, { label }]) => make("option", { value, selected: value === sort }, label)));
+  return make("div", { class: "choice" }, make("label", { for: id }, "Force, base motion or impulse"), choice);
 }
 
 /** Changes the excitation; a steady state takes longer than a decay, so the length changes as well. */
@@ -205,15 +228,17 @@ function excite(explorer, sort) {
   for (const path of Object.keys(values)) {
     if (path.startsWith("force.") || path.startsWith("run.")) changes[path] = undefined;
   }
-  const setting = settingOf(values);
-  const size = (setting.reference || 1) * setting.natural ** 2;
+  const { setting, fixed } = explorer;
+  const speed = 0.05 * (setting.reference || (fixed.structure ? 1e-3 : 1)) * setting.natural;
+  // A structure with modes is pushed in N, of some 100 kg.
+  const [path, mass] = fixed.structure && sort !== "base" ? [{ force: "force.force", impulse: "force.impulse" }[sort], 100] : [EXCITATIONS[sort].path, 1];
   if (sort === "force" || sort === "base") {
     Object.assign(changes, {
-      [EXCITATIONS[sort].path]: rounded(0.05 * size, 2), "force.relative_frequency": 1,
-      "run.cycles": 100, "run.discard": 50,
+      [path]: rounded(mass * speed * setting.natural, 2), "force.relative_frequency": 1, "run.cycles": 100, "run.discard": 50,
     });
   } else {
     changes["run.periods"] = 20;
+    if (sort === "impulse") Object.assign(changes, { [path]: rounded(10 * mass * speed, 2), "force.time": rounded(2 / setting.natural, 2) });
   }
   explorer.edit(changes, null);
 }
@@ -223,11 +248,11 @@ function isRising(values) {
 }
 
 function gravityChoice(explorer) {
-  if (explorer.choices.kind !== "siva") return null;
+  if (explorer.choices.kind !== "siva" || explorer.fixed.structure) return null;
   const box = make("input", {
     type: "checkbox", checked: isRising(explorer.values),
     onchange: () => {
-      const setting = settingOf(explorer.values);
+      const { setting } = explorer;
       const changes = {
         "absorber.inclination": undefined, "absorber.inclination_deg": undefined, "absorber.gravity": undefined,
         "start.gap_displacement": undefined,

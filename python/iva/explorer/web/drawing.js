@@ -7,9 +7,9 @@ import { lights, stateAt } from "./motion.js";
 const WINDINGS = 8;
 
 /** Sizes of the drawing, in lengths of the scene: what must have room decides them. */
-function sizesOf({ run, clearance, offset, arm, lever, kind, x0 }) {
-  const [low, high] = extent(run.trajectory.displacement);
-  const moved = Math.max(-low, high, Math.abs(x0));
+function sizesOf({ at, clearance, offset, arm, lever, kind }, { modal, run }) {
+  const [low, high] = extent(at.displacement, ...(modal?.points ?? []).map((point) => run.points[point]));
+  const moved = Math.max(-low, high);
   // A structure that never moves is drawn beside its gap.
   const largest = moved > 0 ? moved : clearance > 0 ? clearance : 1;
   const d = kind === "none" ? 0.5 * largest : clearance;
@@ -26,14 +26,14 @@ function sizesOf({ run, clearance, offset, arm, lever, kind, x0 }) {
 }
 
 /** Pixels of the drawing; `frozen` keeps the scale while something is dragged. */
-function scaleOf(plot, data, frozen) {
-  const sizes = sizesOf(data);
+function scaleOf(plot, one, data, frozen) {
+  const sizes = sizesOf(one, data);
   if (frozen) return { ...frozen, ...sizes, left: frozen.left, anchor: frozen.anchor };
   const wide = plot.width / (sizes.right - sizes.left);
-  const tall = data.kind === "piva" ? (plot.height - 46) / (1.1 * sizes.arm * Math.max(1, sizes.lever)) : Infinity;
+  const tall = one.kind === "piva" ? (plot.height - 46) / (1.1 * sizes.arm * Math.max(1, sizes.lever)) : Infinity;
   const scale = Math.min(wide, tall);
   const rest = (plot.width - scale * (sizes.right - sizes.left)) / 2;
-  const middle = data.kind === "piva" ? 26 : (plot.height - 16) / 2;
+  const middle = one.kind === "piva" ? 26 : (plot.height - 16) / 2;
   return { ...sizes, scale, middle, zero: rest - scale * sizes.left };
 }
 
@@ -73,22 +73,23 @@ function mixed(colours, wall, strength) {
 }
 
 export class Drawing {
-  /** `explorer` is changed by what is dragged; `pause` stops the motion at time zero for that. */
-  constructor(explorer, pause) {
+  /** Of the absorber at this place; `explorer` is changed by what is dragged; `pause` stops the motion at time zero for that. */
+  constructor(explorer, pause, number) {
     this.explorer = explorer;
+    this.number = number;
     this.pause = pause;
     this.frozen = null;
     this.view = new View({
-      name: "drawing",
+      name: number ? `drawing_${number}` : "drawing",
       title: "Structure and absorber, to scale",
-      draw: (plot, data) => { this.place = scaleOf(plot, data, this.frozen); },
+      draw: (plot, data) => { this.place = scaleOf(plot, this.one, data, this.frozen); },
       move: (plot, data, instant) => this.paint(plot, data, instant),
-      columns: ({ run: { impacts } }) => impacts,
-      describe: ({ kind }) => ({
+      columns: () => this.one.impacts,
+      describe: () => ({
         siva: "A structure on spring and damper, a free mass between its two walls",
         piva: "A structure on spring and damper, a pendulum between its two stops",
         none: "A structure on spring and damper",
-      })[kind],
+      })[this.one.kind],
     });
     this.handles = {
       body: this.handle("Release displacement x₀", "body"),
@@ -97,6 +98,7 @@ export class Drawing {
       absorber: this.handle("Start of the absorber in its gap", "absorber"),
     };
     this.view.pad.append(...Object.values(this.handles));
+    this.view.pad.classList.add("drawn");
     this.view.legend.textContent = "drag a wall, the absorber, or the structure";
   }
 
@@ -107,12 +109,18 @@ export class Drawing {
     element.tabIndex = 0;
     const name = kind.split(" ").pop();
     element.addEventListener("pointerdown", (event) => this.grab(event, element, name));
-    element.addEventListener("keydown", (event) => this.key(event, name));
+    element.addEventListener("keydown", (event) => this.press(event, name));
     return element;
   }
 
-  get x() {
-    return this.explorer.held("start.displacement");
+  /** What there is to be drawn of the absorber. */
+  get one() {
+    return this.view.data.absorbers[this.number];
+  }
+
+  /** The key of a slot of the absorber. */
+  key(part, group) {
+    return this.explorer.keyOf(this.one.owner, part, group);
   }
 
   /** Where the middle of the structure is drawn: that of its displacement. */
@@ -128,8 +136,7 @@ export class Drawing {
     const at = this.instant;
     this.frozen = { ...this.place };
     if (name === "body" || name === "absorber") this.pause();
-    const { data } = this.view;
-    const start = { pointer: event.clientX, ...this.values(data), at };
+    const start = { pointer: event.clientX, ...this.values(), at };
     const move = (later) => {
       const shift = (later.clientX - start.pointer) / this.frozen.scale;
       this.drag(name, start, shift);
@@ -147,8 +154,9 @@ export class Drawing {
     element.addEventListener("pointercancel", end);
   }
 
-  values(data) {
-    return { x: data.x0, y: data.y0, clearance: data.clearance, offset: data.offset };
+  values() {
+    const { y0: y, clearance, offset } = this.one;
+    return { x: this.explorer.held("start.displacement") || 0, y, clearance, offset };
   }
 
   /** Gives the scene what is dragged, by so much from where it was. */
@@ -166,65 +174,110 @@ export class Drawing {
     if (name === "plus" || name === "minus") {
       const least = 0.02 * this.place.largest;
       const d = Math.max(least, start.clearance + (name === "plus" ? shift : -shift));
-      explorer.hold("absorber.clearance", d, "drag wall", round("absorber.clearance"));
+      const key = this.key("absorber", "clearance");
+      explorer.hold(key, d, `drag ${key}`, round(key));
     } else if (name === "body") {
       explorer.hold("start.displacement", start.x + shift, "drag body", round("start.displacement"));
     } else {
       const reach = start.clearance * (1 - 1e-9);
       const y = clamp(start.y + shift, start.offset - reach, start.offset + reach);
       const limited = clamp(si ? y : short(y), start.offset - reach, start.offset + reach);
-      explorer.hold("start.gap_displacement", limited, "drag absorber");
+      const key = this.key("start", "gap_displacement");
+      explorer.hold(key, limited, `drag ${key}`);
     }
   }
 
-  key(event, name) {
+  press(event, name) {
     const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
     if (!step) return;
     event.preventDefault();
     const size = 0.02 * (event.shiftKey ? 5 : 1) * (this.view.data.reference || this.place.largest);
     if (name === "body" || name === "absorber") this.pause();
-    this.drag(name, this.values(this.view.data), step * size);
+    this.drag(name, this.values(), step * size);
   }
 
   /** Draws an instant, and puts the handles where the parts are. */
   paint(plot, data, instant) {
     if (!this.place) return;
     this.instant = instant;
+    const { one } = this;
     const { context: c, colours } = plot;
-    const { scale, middle, thick, half, inside, radius, anchor, arm, lever } = this.place;
-    const { x, y, angle } = stateAt(data.run.trajectory, instant);
-    const light = lights(data.run.impacts, instant, data.period);
+    const { scale, middle, thick, half, inside, radius, anchor } = this.place;
+    const { x, y, angle } = stateAt(one, instant);
+    const light = lights(one.impacts, instant, data.period);
     const px = (length) => this.px(length);
     const ground = px(anchor);
-    const high = data.kind === "piva" ? 18 : clamp(scale * 1.5 * radius, 24, 0.36 * plot.height);
+    const high = one.kind === "piva" ? 18 : clamp(scale * 1.5 * radius, 24, 0.36 * plot.height);
     c.lineWidth = 1.2;
     c.strokeStyle = colours.dark;
-    this.drawGround(c, ground, middle, high, colours);
     const side = px(x - half);
-    spring(c, ground, side, middle - 0.4 * high, Math.min(7, 0.3 * high));
-    damper(c, ground, side, middle + 0.4 * high, Math.min(7, 0.3 * high));
+    if (data.modal) this.drawShape(plot, data, { instant, x, side, middle });
+    else {
+      this.drawGround(c, ground, middle, high, colours);
+      spring(c, ground, side, middle - 0.4 * high, Math.min(7, 0.3 * high));
+      damper(c, ground, side, middle + 0.4 * high, Math.min(7, 0.3 * high));
+    }
     const walls = { "-1": px(x - inside - thick), 1: px(x + inside) };
-    if (data.kind === "none") {
+    if (one.kind === "none") {
       c.fillStyle = colours.body;
       c.fillRect(side, middle - high, 2 * half * scale, 2 * high);
-    } else if (data.kind === "siva") {
+    } else if (one.kind === "siva") {
       const bottom = middle + scale * radius;
       const floor = Math.max(5, 0.3 * scale * radius);
       c.fillStyle = colours.body;
       c.fillRect(side, bottom, 2 * half * scale, floor);
       for (const wall of [1, -1]) {
+        if (!one.has[wall]) continue;
         c.fillStyle = mixed(colours, wall, Math.max(0.25, light[wall]));
         c.fillRect(walls[wall], bottom - 2.2 * scale * radius, Math.max(4, thick * scale), 2.2 * scale * radius);
       }
+      if (one.tied) spring(c, px(x - inside), px(x + y - one.offset - radius), middle, Math.min(7, 0.4 * scale * radius));
       c.fillStyle = colours.absorber;
       c.beginPath();
-      c.arc(px(x + y - data.offset), middle, scale * radius, 0, 2 * Math.PI);
+      c.arc(px(x + y - one.offset), middle, scale * radius, 0, 2 * Math.PI);
       c.fill();
     } else {
-      this.drawPendulum(c, data, { x, y, angle, light, walls, middle, colours, px });
+      this.drawPendulum(c, one, { x, y, angle, light, walls, middle, colours, px });
     }
-    this.ruler(plot, data, x, px);
-    this.placeHandles(data, { x, y, middle, high, walls, radius: scale * radius, thick: thick * scale, half, px, arm, lever });
+    this.ruler(plot, one.at.displacement[0], x, px);
+    this.placeHandles(data, { x, y, middle, high, walls, radius: scale * radius, thick: thick * scale, half, px });
+  }
+
+  /** The points of a structure with modes above each other, each moved as it moves, with that of the absorber joined to its gap. */
+  drawShape(plot, { run, modal, period }, { instant, x, side, middle }) {
+    const { context: c, colours } = plot;
+    const rest = 0.55 * this.px(this.place.anchor) + 0.45 * this.px(-this.place.half);
+    const bottom = plot.height - 26;
+    const step = (bottom - 14) / Math.max(1, modal.points.length - (modal.free ? 1 : 0));
+    const { time } = run.samples;
+    const places = modal.points.map((point, index) => {
+      const at = { time, displacement: run.points[point], velocity: run.point_velocities[point] };
+      return [rest + this.place.scale * stateAt({ at, path: at }, instant).x, bottom - step * (index + (modal.free ? 0 : 1)), point];
+    });
+    c.strokeStyle = colours.line;
+    plot.stroke([[rest, bottom], [rest, 14]]);
+    c.strokeStyle = colours.dark;
+    if (!modal.free) {
+      c.beginPath();
+      for (let along = -14; along < 14; along += 7) {
+        c.moveTo(rest + along, bottom);
+        c.lineTo(rest + along - 5, bottom + 6);
+      }
+      plot.context.stroke();
+      plot.stroke([[rest - 18, bottom], [rest + 14, bottom]]);
+    }
+    c.lineWidth = 2;
+    plot.stroke([...(modal.free ? [] : [[rest, bottom]]), ...places]);
+    c.lineWidth = 1.2;
+    for (const [at, height, point] of places) {
+      const own = point === this.one.point;
+      if (own) plot.stroke([[at, height], [side, middle]]);
+      c.fillStyle = own ? colours.structure : colours.dark;
+      c.beginPath();
+      c.arc(at, height, own ? 4.5 : 3, 0, 2 * Math.PI);
+      c.fill();
+      plot.text(point, Math.max(4, Math.min(rest, at) - 10), height, colours.quiet, "right");
+    }
   }
 
   drawGround(c, x, middle, high, colours) {
@@ -239,17 +292,18 @@ export class Drawing {
     c.stroke();
   }
 
-  drawPendulum(c, data, { x, y, angle, light, walls, middle, colours, px }) {
+  drawPendulum(c, one, { x, y, angle, light, walls, middle, colours, px }) {
     const { scale, thick, radius, arm, lever } = this.place;
     const turned = Number.isNaN(angle) ? Math.asin(clamp(y / arm, -1, 1)) : angle;
     const length = arm * lever;
     c.fillStyle = colours.body;
     const beam = Math.max(6, scale * thick);
     c.fillRect(walls[-1], middle - beam / 2, walls[1] - walls[-1] + Math.max(4, scale * thick), beam);
-    if (data.clearance < arm) {
-      const depth = scale * arm * Math.sqrt(1 - (data.clearance / arm) ** 2);
+    if (one.clearance < arm) {
+      const depth = scale * arm * Math.sqrt(1 - (one.clearance / arm) ** 2);
       const size = Math.max(2.4 * radius * scale, 0.08 * arm * scale);
       for (const wall of [1, -1]) {
+        if (!one.has[wall]) continue;
         c.fillStyle = colours.body;
         c.fillRect(walls[wall], middle, Math.max(4, scale * thick), depth);
         c.fillStyle = mixed(colours, wall, Math.max(0.25, light[wall]));
@@ -271,14 +325,14 @@ export class Drawing {
   }
 
   /** Marks rest and release below, so that one sees from where the structure was let go. */
-  ruler(plot, data, x, px) {
+  ruler(plot, x0, x, px) {
     const { colours, context: c } = plot;
     const base = plot.height - 4;
     c.lineWidth = 1;
     c.strokeStyle = colours.quiet;
-    for (const [at, label] of [[0, "0"], [data.x0, "x₀"]]) {
+    for (const [at, label] of [[0, "0"], [x0, "x₀"]]) {
       plot.stroke([[px(at), base], [px(at), base - 8]]);
-      if (at !== 0 || data.x0 !== 0) plot.text(label, px(at) + 4, base - 5, colours.quiet);
+      if (at !== 0 || x0 !== 0) plot.text(label, px(at) + 4, base - 5, colours.quiet);
     }
     c.fillStyle = colours.accent;
     c.beginPath();
@@ -289,9 +343,12 @@ export class Drawing {
   }
 
   placeHandles(data, { x, y, middle, high, walls, radius, thick, half, px }) {
+    const { one } = this;
+    // What a structure with modes has at time zero is given for all of its points.
+    const has = { body: !data.modal, minus: one.has[-1], plus: one.has[1], absorber: one.kind !== "none" };
     const put = (name, left, top, width, height, value, text) => {
       const { style } = this.handles[name];
-      style.display = data.kind === "none" && name !== "body" ? "none" : "";
+      style.display = has[name] ? "" : "none";
       style.left = `${left}px`;
       style.top = `${top}px`;
       style.width = `${width}px`;
@@ -304,16 +361,17 @@ export class Drawing {
     };
     const { factor, unit } = data.drawn("Length");
     const said = (value) => withUnit(value * factor, unit);
-    const pendulum = data.kind === "piva";
-    const [bobX, bobY] = pendulum ? this.bob : [px(x + y - data.offset), middle];
+    const [x0] = one.at.displacement;
+    const pendulum = one.kind === "piva";
+    const [bobX, bobY] = pendulum ? this.bob : [px(x + y - one.offset), middle];
     const size = Math.max(24, 2 * radius);
     const wide = Math.max(22, thick + 8);
-    const down = pendulum && data.clearance < this.place.arm
-      ? middle + this.place.scale * this.place.arm * Math.sqrt(1 - (data.clearance / this.place.arm) ** 2) : middle;
+    const down = pendulum && one.clearance < this.place.arm
+      ? middle + this.place.scale * this.place.arm * Math.sqrt(1 - (one.clearance / this.place.arm) ** 2) : middle;
     const tall = pendulum ? 48 : Math.max(40, 2.4 * radius);
-    put("body", px(x - half), pendulum ? middle - 14 : middle - high, 2 * half * this.place.scale, pendulum ? 28 : 2 * high + 14, data.x0, said(data.x0));
-    put("minus", walls[-1] + thick / 2 - wide / 2, down - tall / 2, wide, tall, data.clearance, said(data.clearance));
-    put("plus", walls[1] + thick / 2 - wide / 2, down - tall / 2, wide, tall, data.clearance, said(data.clearance));
-    put("absorber", bobX - size / 2, bobY - size / 2, size, size, data.y0, said(data.y0));
+    put("body", px(x - half), pendulum ? middle - 14 : middle - high, 2 * half * this.place.scale, pendulum ? 28 : 2 * high + 14, x0, said(x0));
+    put("minus", walls[-1] + thick / 2 - wide / 2, down - tall / 2, wide, tall, one.clearance, said(one.clearance));
+    put("plus", walls[1] + thick / 2 - wide / 2, down - tall / 2, wide, tall, one.clearance, said(one.clearance));
+    put("absorber", bobX - size / 2, bobY - size / 2, size, size, one.y0, said(one.y0));
   }
 }

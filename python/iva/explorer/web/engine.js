@@ -1,14 +1,14 @@
 // The simulator in WebAssembly (crates/iva-wasm), with the tables of a run as arrays of numbers.
 
 /**
- * A scene is `{choices: {kind: "siva", …}, values: {"absorber.clearance": 0.5, …}}`: the words and numbers of a study file by
- * their paths, in the user's units.
+ * A scene is `{choices: {kind: "siva", …}, values: {"absorber.clearance": 0.5, …}, fixed: {…}}`: the words and numbers of a study
+ * file by their paths, in the user's units. In a list of absorbers a choice has its number, `"1.kind"`. What is fixed is a
+ * `structure` with several modes by its entries, `tables` of the restitution and `records` by the numbers of their absorbers and
+ * forces.
  */
 export class Engine {
-  /** Loads the simulator from the bytes of its module, compressed by gzip. */
-  static async load(bytes) {
-    const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const module = new Uint8Array(await new Response(plain).arrayBuffer());
+  /** Loads the simulator from the bytes of its module. */
+  static async load(module) {
     return (await Engine.fast(module)) ?? new Engine(await WebAssembly.compile(module));
   }
 
@@ -124,20 +124,46 @@ export class Engine {
   }
 
   /** The lines that describe a scene. */
-  static lines({ choices = {}, values = {} }) {
-    const kind = Object.entries(choices).sort(([a], [b]) => (a === "kind" ? -1 : b === "kind" ? 1 : 0));
-    return [
-      ...kind.map(([name, word]) => `choose ${name} ${word}`),
-      ...Object.entries(values).map(([path, value]) => `set ${path} ${value}`),
-    ].join("\n");
+  static lines({ choices = {}, values = {}, fixed = {} }) {
+    // The kind of an absorber comes before its other choices.
+    const named = Object.entries(choices).map(([name, word]) => [parseInt(name, 10) || 0, name.replace(/^\d+\./, ""), word]);
+    named.sort(([a, name], [b, other]) => a - b || (other === "kind") - (name === "kind"));
+    const lines = named.map(([, name, word]) => `choose ${name} ${word}`);
+    for (const [name, entry] of Object.entries(fixed.structure ?? {})) lines.push(...Engine.entry(name, entry));
+    for (let force = 0; force < Engine.forces({ values, fixed }); force += 1) {
+      const { kind, times, values: strengths } = fixed.records?.[force] ?? {};
+      lines.push(kind ? `record ${kind} ${times.map((time, index) => `${time} ${strengths[index]}`).join(" ")}` : "force");
+    }
+    for (const [absorber, points] of Object.entries(fixed.tables ?? {})) lines.push(`table ${absorber} ${points.flat().join(" ")}`);
+    lines.push(...Object.entries(values).map(([path, value]) => `set ${path} ${value}`));
+    return lines.join("\n");
   }
 
-  /** Takes a scene: `{error, units}`, where an error has field, value, what is allowed, and the sentence of all. */
+  /** Number of forces of a scene. */
+  static forces({ values, fixed = {} }) {
+    const numbers = Object.keys(values).map((path) => /^force\.(?:(\d+)\.)?/.exec(path)).filter(Boolean);
+    return 1 + Math.max(-1, ...numbers.map(([, number]) => Number(number ?? 0)), ...Object.keys(fixed.records ?? {}).map(Number));
+  }
+
+  /** The lines of an entry of a structure. */
+  static entry(name, value) {
+    const line = (form, ...words) => ["entry", name, form, ...words].join(" ");
+    if (typeof value === "string") return [line("name", encodeURIComponent(value))];
+    if (typeof value === "number") return [line("mode", value)];
+    if (!Array.isArray(value)) return Object.entries(value).map(([point, shape]) => line("named", encodeURIComponent(point), ...shape));
+    if (Array.isArray(value[0])) return value.map((row) => line("row", ...row));
+    if (typeof value[0] === "string") return [line("names", ...value.map(encodeURIComponent))];
+    return [line("numbers", ...value)];
+  }
+
+  /**
+   * Takes a scene: `{error, units, natural, absorbers}`, where an error has field, value, what is allowed, and the sentence of
+   * all; `natural` is the natural frequency, and an absorber has its number in the list, its point, and the walls of its gap.
+   */
   set(scene) {
     this.text = Engine.lines(scene);
     this.give(this.text);
-    const { error = null, units = null } = this.call("iva_check");
-    return { error, units };
+    return { error: null, ...this.call("iva_check") };
   }
 
   /**

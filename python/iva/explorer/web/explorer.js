@@ -8,13 +8,13 @@ import { ScanMap } from "./map.js";
 import { Engine } from "./engine.js";
 import { clamp, make, shown, withUnit } from "./format.js";
 import { MeasureTable } from "./measures.js";
-import { isForced } from "./motion.js";
+import { absorbersOf, isForced, modalOf, rowsOf } from "./motion.js";
 import { energyView, phaseView } from "./planes.js";
 import { coloursOf } from "./plot.js";
 import { DEFAULT_SCENE, Explorer, limited } from "./state.js";
 import { asPython, asStudy, offer } from "./takeaway.js";
 import { displacementView, gapView } from "./time_views.js";
-import { TAU, settingOf } from "./slots.js";
+import { TAU } from "./slots.js";
 import { drawnIn } from "./units.js";
 
 const KINDS = { siva: "Free mass", piva: "Pendulum", none: "No absorber" };
@@ -34,7 +34,7 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 function pendulumValues(explorer) {
   const { values } = explorer;
   if (values["absorber.length"] !== undefined || values["absorber.frequency_ratio"] !== undefined) return {};
-  const length = 3 * Math.max(explorer.held("absorber.clearance") || 0, settingOf(values).reference || 0);
+  const length = 3 * Math.max(explorer.held("absorber.clearance") || 0, explorer.setting.reference || 0);
   return { "absorber.length": Number(length.toPrecision(2)) || 1, "absorber.frequency_ratio": 0.4 };
 }
 
@@ -43,8 +43,7 @@ class Page {
     this.options = options;
     this.engine = engine;
     this.root = make("div", { class: options.brief ? "iva-explorer brief" : "iva-explorer" });
-    const fields = new Map(engine.fields.map((field) => [field.path, field]));
-    const pasted = options.address ? fromAddress(location.hash, fields) : null;
+    const pasted = options.address ? fromAddress(location.hash, engine.fields) : null;
     this.state = new Explorer(engine, pasted ?? options.scene ?? DEFAULT_SCENE);
     this.instant = 0;
     this.playing = false;
@@ -63,12 +62,14 @@ class Page {
 
   build() {
     const { state } = this;
-    this.drawing = new Drawing(state, () => { this.play(false); this.goTo(0); });
+    /** Of each absorber a drawing and its gap. */
+    this.drawings = [];
+    this.gaps = [];
+    this.pictures = [make("div", { class: "each" }), make("div", { class: "each gaps" })];
     this.displacement = displacementView();
-    this.gap = gapView();
     this.phase = phaseView(() => this.draw());
     this.energy = energyView();
-    this.views = [this.drawing.view, this.displacement, this.gap, this.phase, this.energy];
+    this.more(1);
     this.controls = new Controls(state);
     this.map = new ScanMap(state, this.options, this.engine);
     this.forced = new Forced(state, this.map.worker, (x) => state.edit(state.inSlot("force.relative_frequency", x), "response"));
@@ -76,14 +77,31 @@ class Page {
     this.foot = make("p", { class: "foot" });
     this.root.append(this.head(),
       make("div", { class: "columns" },
-        make("div", { class: "views" }, this.drawing.view.element, this.transport(), this.displacement.element,
-          this.gap.element,
+        make("div", { class: "views" }, this.pictures[0], this.transport(), this.displacement.element,
+          this.pictures[1],
           make("div", { class: "planes" }, this.phase.element, this.energy.element, this.map.view.element,
             ...this.forced.views.map((view) => view.element))),
         make("div", { class: "side" }, this.controls.element, this.table.element)),
       this.foot);
     // Time runs along both: a press on them sets the instant.
-    for (const view of [this.displacement, this.gap, this.energy]) this.scrubOn(view);
+    for (const view of [this.displacement, this.energy]) this.scrubOn(view);
+  }
+
+  /** Makes pictures for so many absorbers; those that are not needed are hidden. */
+  more(count) {
+    while (this.drawings.length < count) {
+      const place = this.drawings.length;
+      this.drawings.push(new Drawing(this.state, () => { this.play(false); this.goTo(0); }, place));
+      this.gaps.push(gapView(place));
+      this.pictures[0].append(this.drawings[place].view.element);
+      this.pictures[1].append(this.gaps[place].element);
+      this.scrubOn(this.gaps[place]);
+    }
+    const own = [this.drawings.map(({ view }) => view), this.gaps].map((views) => views.slice(0, count));
+    for (const { view } of this.drawings) view.element.hidden = !own[0].includes(view);
+    for (const view of this.gaps) view.element.hidden = !own[1].includes(view) || this.state.choices.kind === "none";
+    for (const element of this.pictures) element.classList.toggle("several", count > 1);
+    this.views = [...own[0], this.displacement, ...(this.state.choices.kind === "none" ? [] : own[1]), this.phase, this.energy];
   }
 
   head() {
@@ -178,7 +196,7 @@ class Page {
     });
     if (!this.options.address) return;
     addEventListener("hashchange", () => {
-      const scene = fromAddress(location.hash, this.state.fields);
+      const scene = fromAddress(location.hash, this.engine.fields);
       if (!scene || location.hash === `#${toAddress(this.state.scene)}`) return;
       const error = this.state.load(scene);
       if (error) this.say(`The scene in the address cannot be run: ${error.sentence}`);
@@ -192,31 +210,23 @@ class Page {
   /** What is drawn of a scene: its run and what the views need to know of it. */
   compute() {
     const { state } = this;
-    const { scene, units } = state;
-    const setting = settingOf(scene.values);
+    const { scene, units, samples, setting, absorbers: { length: count } } = state;
     const period = TAU / setting.natural;
-    const { run, samples } = state;
-    const alone = this.alone(samples);
-    const { kind } = scene.choices;
-    const clearance = kind === "none" ? NaN : state.held("absorber.clearance");
-    const offset = kind === "siva" ? state.held("absorber.gap_offset") || 0 : 0;
-    const length = scene.values["absorber.length"];
-    const arm = scene.values["absorber.contact_distance"] ?? length ?? 4 * clearance;
-    const x0 = run.trajectory.displacement[0];
-    const reference = Math.abs(x0) || run.envelope.amplitude?.[0] || Math.abs(run.envelope.displacement[0]) || 0;
+    const run = { ...state.run, trajectory: { ...state.run.trajectory, energy: state.run.energies.total } };
+    const path = rowsOf(run.trajectory, 0, count);
+    const [x0] = path.displacement;
     return {
-      run, scene, kind, units, period, samples, alone, clearance, offset, arm, x0, reference,
-      lever: length === undefined ? 1 : length / arm,
-      y0: kind === "none" ? NaN : run.trajectory.gap_displacement[0],
-      forced: isForced(scene), showAlone: this.showAlone,
-      drawn: (quantity) => drawnIn(quantity, units),
+      run, path, scene, setting, units, period, samples, x0, count, kind: scene.choices.kind,
+      absorbers: absorbersOf(state, run), modal: modalOf(state), alone: this.alone(samples),
+      reference: Math.abs(x0) || run.envelope.amplitude?.[0] || Math.abs(run.envelope.displacement[0]) || 0,
+      forced: isForced(scene), showAlone: this.showAlone, drawn: (quantity) => drawnIn(quantity, units),
     };
   }
 
   /** The same structure without absorber; it is run again only if something of it changes. */
   alone(samples) {
     const { engine, state } = this;
-    if (state.choices.kind === "none" || !this.showAlone) return null;
+    if (state.kinds[0] === "none" || !this.showAlone) return null;
     const scene = state.sceneOf({ kind: "none" }, state.values);
     const key = JSON.stringify([scene, samples]);
     if (this.aloneKey !== key) {
@@ -231,6 +241,7 @@ class Page {
   refresh() {
     const { state } = this;
     this.data = this.compute();
+    this.more(this.data.absorbers.length);
     const times = this.data.run.trajectory.time;
     [this.begin, this.end] = [times[0], times[times.length - 1]];
     this.scrubber.min = String(this.begin);
@@ -240,10 +251,18 @@ class Page {
     this.units.value = state.units;
     this.undo.disabled = !state.past.length;
     this.redo.disabled = !state.future.length;
-    this.root.classList.toggle("pendulum", state.choices.kind === "piva");
-    this.gap.element.hidden = state.choices.kind === "none";
+    this.root.classList.toggle("pendulum", state.kinds.includes("piva"));
+    this.root.classList.toggle("modal", this.data.modal !== null);
+    this.kind.hidden = state.kinds.length > 1;
+    this.units.disabled = Object.keys(state.fixed).length > 0;
+    for (const [place, { label }] of this.data.absorbers.entries()) {
+      this.drawings[place].view.heading.textContent = `Structure and absorber${label}, to scale`;
+      this.gaps[place].heading.textContent = `Absorber${label} in its gap y(t)`;
+    }
+    this.displacement.heading.textContent = `Structure x(t)${this.data.modal ? ` at ${this.data.modal.seen}` : ""}`;
     this.say([...state.pending.values()].length ? "A value cannot be run: the pictures show the last scene that can."
-      : state.refused?.sentence ?? EARLY[this.data.run.summary.outcome] ?? "");
+      : state.refused?.sentence ?? EARLY[this.data.run.summary.outcome] ?? (this.data.count > this.data.absorbers.length
+        ? `There are ${this.data.count} absorbers, of which the first ${this.data.absorbers.length} are drawn.` : ""));
     this.controls.show();
     this.forced.show(this.data, this.colours);
     this.map.scene(this.data, this.colours);
@@ -251,7 +270,7 @@ class Page {
     this.digitsLater();
     this.draw();
     this.options.onScene?.(state.scene);
-    if (this.options.address) this.addressLater();
+    if (this.options.address && !state.fixed.records) this.addressLater();
   }
 
   /** Shows another scene, as a step that can be taken back. */

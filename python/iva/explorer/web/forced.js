@@ -2,8 +2,9 @@
 
 import { make } from "./format.js";
 import { extent, View } from "./plot.js";
-import { settingOf } from "./slots.js";
-import { limited } from "./state.js";
+import { Engine } from "./engine.js";
+import { rowsOf } from "./motion.js";
+import { lengthIn, limited } from "./state.js";
 
 const POINTS = 101;
 
@@ -53,7 +54,7 @@ export class Forced {
 
   /** Takes a scene; the response is made anew if more than the frequency has changed. */
   show(data) {
-    const on = data.forced && data.run.stroboscope !== undefined;
+    const on = data.forced && data.run.stroboscope !== undefined && Engine.forces(data.scene) === 1 && !data.scene.fixed.records;
     for (const view of this.views) view.element.hidden = !on;
     if (!on) {
       this.key = "";
@@ -64,7 +65,7 @@ export class Forced {
     const others = Object.entries(values).filter(
       ([path]) => !["force.frequency", "force.frequency_hz", "force.relative_frequency"].includes(path),
     );
-    const key = JSON.stringify([others, data.scene.choices]);
+    const key = JSON.stringify([others, data.scene.choices, data.scene.fixed]);
     if (key === this.key) return;
     this.key = key;
     clearTimeout(this.timer);
@@ -74,13 +75,14 @@ export class Forced {
   /** Every eighth frequency first, the others after it; with absorber, then without. */
   begin() {
     const { state, data } = this;
-    const held = state.form("primary.damping");
+    // Rows have two axes: the length of the run is one that stays as it is.
+    const held = lengthIn(state.values);
     const order = [8, 4, 2, 1].flatMap((stride, level) => [...this.xs.keys()].filter(
       (index) => index % stride === 0 && (level === 0 || index % (2 * stride) !== 0),
     ));
     const rows = order.map((index) => ({
       xPath: "force.relative_frequency", xs: Float64Array.of(this.xs[index]),
-      yPath: held.path, ys: Float64Array.of(state.values[held.path] ?? held.default),
+      yPath: held, ys: Float64Array.of(state.values[held]),
     }));
     const job = (curve, scene, next) => {
       this.curves[curve].fill(NaN);
@@ -111,8 +113,8 @@ export class Forced {
     for (const view of this.views) view.show(data, colours);
   }
 
-  drawSection(plot, { run, drawn }) {
-    const { stroboscope: strobes } = run;
+  drawSection(plot, { run, drawn, absorbers }) {
+    const strobes = rowsOf(run.stroboscope, 0, absorbers.length);
     const [length, speed] = [drawn("Length"), drawn("Velocity")];
     const scaled = (values, factor) => extent(values).map((end) => end * factor);
     plot.axes({
@@ -124,14 +126,13 @@ export class Forced {
     }
   }
 
-  drawResponse(plot, { drawn, scene }) {
+  drawResponse(plot, { drawn, setting }) {
     const { factor, unit } = drawn("Length");
     const [, high] = extent(this.curves.now, this.curves.alone.filter((_, index) => index % 8 === 0));
     plot.axes({
       x: [this.xs[0], this.xs[POINTS - 1]], y: [0, 1.05 * high * factor],
       xLabel: "relative frequency Ω/ωₙ", yLabel: `max |x| (${unit})`, zero: false,
     });
-    const setting = settingOf(scene.values);
     plot.inside((c) => {
       for (const [curve, colour, width] of [["alone", plot.colours.alone, 1], ["now", plot.colours.structure, 1.6]]) {
         // While it fills, known points are joined over those that are not.

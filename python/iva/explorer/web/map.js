@@ -3,7 +3,7 @@
 import { clamp, make, rounded, shown, unitText, withUnit } from "./format.js";
 import { measureWords } from "./measures.js";
 import { View, ticks } from "./plot.js";
-import { rangeOf, settingOf, toBase, wordsOf } from "./slots.js";
+import { rangeOf, toBase, wordsOf } from "./slots.js";
 import { limited } from "./state.js";
 import { Background } from "./worker.js";
 
@@ -87,7 +87,13 @@ export class ScanMap {
   }
 
   words(axis) {
-    return wordsOf(this.state.form(this.slots[axis]))[0].toLowerCase();
+    return this.label(this.slots[axis]).toLowerCase();
+  }
+
+  /** What a slot is called, in a list with the number of its absorber. */
+  label(key) {
+    const field = this.state.form(key);
+    return wordsOf(field)[0] + (field.number === undefined ? "" : `, ${field.part === "force" ? "force" : "absorber"} ${field.number}`);
   }
 
   listen() {
@@ -138,17 +144,20 @@ export class ScanMap {
     const slots = state.slots.filter((slot) => {
       const field = state.form(slot.key);
       return field && (state.values[field.path] !== undefined || field.default !== null)
+        && !(state.fixed.structure && field.part === "primary")
         && !["run.max_impacts", "run.max_work", "run.tolerance", "run.discard", "start.time"].includes(slot.key)
         && !(slot.part === "force" && state.values[field.path] === undefined);
     });
     const keys = slots.map((slot) => slot.key);
-    const fallback = ["absorber.clearance", "absorber.mass", "primary.damping", "start.displacement", "start.velocity"];
+    const fallback = [
+      "absorber.clearance", "absorber.mass", "absorber.0.clearance", "absorber.0.mass", "primary.damping", "start.displacement", "start.velocity",
+    ];
     const either = (wanted, other) => (keys.includes(wanted) && wanted !== other ? wanted
       : fallback.find((key) => keys.includes(key) && key !== other));
     this.slots.x = either(this.wished.x, null);
     this.slots.y = either(this.wished.y, this.slots.x);
     for (const axis of ["x", "y"]) {
-      options(this.picks[axis], slots.map((slot) => [slot.key, wordsOf(state.form(slot.key))[0]]), this.slots[axis]);
+      options(this.picks[axis], slots.map((slot) => [slot.key, this.label(slot.key)]), this.slots[axis]);
     }
     const summary = this.data.run.summary;
     const measures = this.engine.measures.filter(({ name }) => typeof summary[name] !== "string"
@@ -168,13 +177,13 @@ export class ScanMap {
     this.choose();
     const values = { ...data.scene.values };
     for (const axis of ["x", "y"]) delete values[this.paths[axis]];
-    const key = JSON.stringify([values, data.scene.choices, this.paths, this.measure]);
+    const key = JSON.stringify([values, data.scene.choices, data.scene.fixed, this.paths, this.measure]);
     if (key === this.key) return;
     this.key = key;
     this.known.fill(0);
     this.exact.fill(0);
     this.changed = true;
-    const anchored = JSON.stringify([this.paths, data.units, data.kind, settingOf(data.scene.values).reference]);
+    const anchored = JSON.stringify([this.paths, data.units, data.kind, data.setting.reference]);
     const outside = ["x", "y"].some((axis) => this.ranges && this.here(axis) > this.ranges[axis][1]);
     if (this.anchored !== anchored || outside) {
       this.anchored = anchored;
@@ -197,8 +206,8 @@ export class ScanMap {
     const positive = field.allowed.includes("greater than 0");
     // Equal steps show more of a gap than equal factors do.
     if (field.group === "clearance") {
-      const one = settingOf(this.state.values).reference
-        / toBase(field.path, 1, settingOf(this.state.values));
+      const { setting } = this.state;
+      const one = setting.reference / toBase(field.path, 1, setting);
       return Number.isFinite(one) && one > 0 ? [rounded(0.05 * one, 2), rounded(1.6 * one, 2), false] : [low, high, true];
     }
     if (field.path === "absorber.mass_ratio") return [0.02, 0.3, false];
@@ -284,6 +293,7 @@ export class ScanMap {
       const field = this.state.fields.get(this.paths[axis]);
       const [words, symbol] = wordsOf(field);
       const unit = unitText(field.units[this.data.units]);
+      if (field.number !== undefined) return `${this.label(this.slots[axis])}${unit ? ` (${unit})` : ""}`;
       return `${words} ${symbol}${unit ? ` (${unit})` : ""}`;
     };
     // An axis by factors is drawn over the logarithm.

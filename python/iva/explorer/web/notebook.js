@@ -3,17 +3,11 @@
 /** Python hears of a scene once it has rested for so long. */
 const QUIET_MS = 150;
 
-/** The bytes that a text in base64 holds. */
-function bytesOf(base64) {
-  const letters = atob(base64);
-  return Uint8Array.from({ length: letters.length }, (_, index) => letters.charCodeAt(index));
-}
-
 function render({ model, el }) {
   let timer = null;
   let told = JSON.stringify(model.get("scene"));
   const mounted = mount(el, {
-    wasm: bytesOf(WASM),
+    wasm: unpacked(bytesOf(WASM)),
     scene: model.get("scene"),
     version: VERSION,
     onScene: (scene) => {

@@ -5,25 +5,30 @@ import { energiesOf, sampleAt } from "./motion.js";
 import { make, shown, withUnit } from "./format.js";
 
 /** What the phase plane shows: words, the two columns, symbols, and the colour of the line. */
-const PLANES = {
-  structure: ["Structure", "displacement", "velocity", "x", "ẋ", "structure"],
-  gap: ["Gap", "gap_displacement", "gap_velocity", "y", "w", "absorber"],
-};
+const STRUCTURE = ["Structure", "displacement", "velocity", "x", "ẋ", "structure"];
+const GAP = ["Gap", "gap_displacement", "gap_velocity", "y", "w", "absorber"];
 
 export function phaseView(redraw) {
-  let plane = "structure";
+  /** The place of the absorber whose gap is shown; −1 for the structure. */
+  let plane = -1;
   const choice = make("select", {
     "aria-label": "Phase plane of",
     onchange: () => {
-      plane = choice.value;
+      plane = Number(choice.value);
       redraw();
     },
-  }, ...Object.entries(PLANES).map(([value, [label]]) => make("option", { value }, label)));
-  const chosen = (data) => PLANES[data.kind === "none" ? "structure" : plane];
+  });
+  const chosen = ({ kind, absorbers, path }) => (plane < 0 || kind === "none" ? [...STRUCTURE, path]
+    : [...GAP, (absorbers[plane] ?? absorbers[0]).path]);
 
   function draw(plot, data) {
-    const [, first, second, x, v, colour] = chosen(data);
-    const path = data.run.trajectory;
+    const labels = [STRUCTURE[0], ...data.absorbers.map(({ label }) => `Gap${label}`)];
+    if (choice.dataset.labels !== labels.join()) {
+      choice.dataset.labels = labels.join();
+      choice.replaceChildren(...labels.map((label, index) => make("option", { value: String(index - 1) }, label)));
+      choice.value = String(plane);
+    }
+    const [, first, second, x, v, colour, path] = chosen(data);
     const [length, speed] = [data.drawn("Length"), data.drawn("Velocity")];
     const [low, high] = extent(path[first]);
     const [slow, fast] = extent(path[second]);
@@ -46,8 +51,7 @@ export function phaseView(redraw) {
   }
 
   function move(plot, data, instant) {
-    const [, first, second] = chosen(data);
-    const path = data.run.trajectory;
+    const [, first, second, , , , path] = chosen(data);
     const index = sampleAt(path.time, instant);
     const [length, speed] = [data.drawn("Length"), data.drawn("Velocity")];
     plot.dot(path[first][index] * length.factor, path[second][index] * speed.factor, 4.5, plot.colours.accent);
@@ -60,13 +64,11 @@ export function phaseView(redraw) {
     draw,
     move,
     columns: (data) => {
-      const [, first, second] = chosen(data);
-      const path = data.run.trajectory;
+      const [, first, second, , , , path] = chosen(data);
       return { time: path.time, [first]: path[first], [second]: path[second] };
     },
     describe: (data) => {
-      const [label, first, second] = chosen(data);
-      const path = data.run.trajectory;
+      const [label, first, second, , , , path] = chosen(data);
       const [length, speed] = [data.drawn("Length"), data.drawn("Velocity")];
       const end = path.time.length - 1;
       return `Phase plane, ${label.toLowerCase()}; at the end `
@@ -77,9 +79,8 @@ export function phaseView(redraw) {
 }
 
 function drawEnergies(plot, data) {
-  const { run, drawn, forced, kind } = data;
+  const { run, path, drawn, forced, kind, modal, absorbers } = data;
   const { structure, absorber, lost } = energiesOf(data);
-  const path = run.trajectory;
   const { colours, context: c } = plot;
   const start = run.summary.energy_initial;
   // With work done from outside, what is missing at the top is no loss of the damper.
@@ -112,9 +113,10 @@ function drawEnergies(plot, data) {
     area(() => 0, (index) => structure[index], colours.spring);
   });
   const { width, box } = plot;
-  const names = kind === "none" ? ["structure"] : ["structure", "absorber"];
-  if (closed) names.push(kind === "piva" ? "damper, pivot" : "damper", ...(kind === "none" ? [] : ["impacts"]));
-  const swatch = { structure: colours.spring, absorber: colours.absorber, impacts: colours.plus };
+  const all = kind === "none" ? ["structure"] : modal ? ["all"] : ["structure", absorbers.length > 1 ? "absorbers" : "absorber"];
+  const takes = ["damper", run.summary.energy_pivot && (absorbers.some((one) => one.kind === "piva") ? "pivot" : "dashpot"), run.summary.energy_friction && "friction"];
+  const names = closed ? [...all, takes.filter(Boolean).join(", "), ...(kind === "none" ? [] : ["impacts"])] : all;
+  const swatch = { structure: colours.spring, all: colours.spring, absorber: colours.absorber, absorbers: colours.absorber, impacts: colours.plus };
   let x = box.right - 6;
   for (const name of names.reverse()) {
     c.font = "11px system-ui, sans-serif";
@@ -144,7 +146,7 @@ export function energyView() {
     columns: (data) => {
       const { structure, absorber, lost } = energiesOf(data);
       return {
-        time: data.run.trajectory.time, structure, ...(absorber ? { absorber } : {}), lost_in_impacts: lost,
+        time: data.path.time, structure, ...(absorber ? { absorber } : {}), lost_in_impacts: lost,
       };
     },
     describe: ({ run: { summary }, drawn }) =>

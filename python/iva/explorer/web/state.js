@@ -1,7 +1,8 @@
 // The scene that is shown, what was typed but cannot be run, and the way back.
 
 import { clamp } from "./format.js";
-import { formIn, formsOf, fromBase, settingOf, slotsOf, toBase } from "./slots.js";
+import { Engine } from "./engine.js";
+import { fieldsOf, fits, formIn, formsOf, fromBase, kindsOf, settingOf, slotsOf, toBase } from "./slots.js";
 import { toNatural, toSi } from "./units.js";
 
 export const DEFAULT_SCENE = {
@@ -24,19 +25,18 @@ const MOST_PERIODS = 1000;
 const MOST_WORK = 20_000;
 
 /** A scene as the page runs it: with an end to its work. */
-export function limited({ choices, values }) {
+export function limited({ choices, values, fixed }) {
   const work = Math.min(values["run.max_work"] ?? MOST_WORK, MOST_WORK);
-  return { choices, values: { ...values, "run.max_work": work } };
+  return { choices, values: { ...values, "run.max_work": work }, fixed };
 }
 
 /** Changes within this time to one thing are one step back. */
 const ONE_STEP_MS = 800;
 const MOST_STEPS = 200;
 
-/** The path of the length of a run, and the length in periods. */
-function lengthOf(values) {
-  const path = ["run.periods", "run.duration", "run.cycles"].find((name) => values[name] !== undefined);
-  return [path, path ? toBase(path, values[path], settingOf(values)) : NaN];
+/** The path of the length of a run. */
+export function lengthIn(values) {
+  return ["run.periods", "run.duration", "run.cycles"].find((name) => values[name] !== undefined);
 }
 
 /** Samples a period for a run of so many periods. */
@@ -51,8 +51,7 @@ export class Explorer {
    */
   constructor(engine, scene) {
     this.engine = engine;
-    this.fields = new Map(engine.fields.map((field) => [field.path, field]));
-    this.slots = slotsOf(engine.fields);
+    this.shapes = new Map();
     this.listeners = [];
     this.past = [];
     this.future = [];
@@ -63,6 +62,8 @@ export class Explorer {
     this.units = "natural";
     this.choices = { ...DEFAULT_SCENE.choices };
     this.values = { ...DEFAULT_SCENE.values };
+    this.fixed = {};
+    this.reshape(this);
     this.fault = this.load(scene) ?? null;
     if (this.fault) this.load(DEFAULT_SCENE);
     this.first = this.snapshot();
@@ -78,17 +79,42 @@ export class Explorer {
   }
 
   snapshot() {
-    return { choices: { ...this.choices }, values: { ...this.values } };
+    return { choices: { ...this.choices }, values: { ...this.values }, fixed: this.fixed };
+  }
+
+  /** Takes the fields and slots of a scene of so many absorbers and forces. */
+  reshape({ choices, values, fixed }) {
+    const [absorbers, forces] = [kindsOf(choices).length, Engine.forces({ values, fixed })];
+    const key = `${absorbers} ${forces}`;
+    if (!this.shapes.has(key)) {
+      const fields = fieldsOf(this.engine.fields, absorbers, forces);
+      this.shapes.set(key, { fields: new Map(fields.map((field) => [field.path, field])), slots: slotsOf(fields) });
+    }
+    Object.assign(this, this.shapes.get(key));
+  }
+
+  /** The kinds of the absorbers. */
+  get kinds() {
+    return kindsOf(this.choices);
+  }
+
+  /** What conversions depend on. */
+  get setting() {
+    return settingOf(this.values, this.fixed.structure && this.natural);
   }
 
   /** The scene of these values, as the engine takes it. */
-  sceneOf(choices, values) {
+  sceneOf(choices, values, fixed = this.fixed) {
+    const kinds = kindsOf(choices);
     const kept = Object.entries(values).filter(([path]) => {
       const field = this.fields.get(path);
-      return field && field.kinds.includes(choices.kind);
+      return field && fits(field, kinds);
     });
-    const words = choices.kind === "piva" ? choices : { kind: choices.kind };
-    return { choices: { ...words }, values: Object.fromEntries(kept) };
+    const of = (name) => this.engine.description.choices.find((choice) => choice.name === name.replace(/^\d+\./, ""));
+    const words = Object.entries(choices).filter(([name]) => of(name).kinds.includes(kinds[parseInt(name, 10) || 0]));
+    const { tables, ...others } = fixed;
+    const bare = kinds.length === 1 && kinds[0] === "none";
+    return { choices: Object.fromEntries(words), values: Object.fromEntries(kept), fixed: bare ? others : fixed };
   }
 
   get scene() {
@@ -96,10 +122,18 @@ export class Explorer {
   }
 
   /** Takes values and runs them if the engine can; else returns why not, and leaves all as it was. */
-  accept(choices, values) {
-    const { error, units } = this.engine.set(limited(this.sceneOf(choices, values)));
+  accept(choices, values, fixed = this.fixed) {
+    this.reshape({ choices, values, fixed });
+    const error = this.try(choices, values, fixed);
+    if (error) this.reshape(this);
+    return error;
+  }
+
+  try(choices, values, fixed) {
+    const { error, units, natural, absorbers } = this.engine.set(limited(this.sceneOf(choices, values, fixed)));
     if (error) return error;
-    const [path, periods] = lengthOf(values);
+    const path = lengthIn(values);
+    const periods = path ? toBase(path, values[path], settingOf(values, natural)) : NaN;
     if (periods > MOST_PERIODS) {
       const sentence = `${path} = ${values[path]}: this page runs at most ${MOST_PERIODS} periods; the package runs more`;
       return { field: path, sentence };
@@ -107,14 +141,14 @@ export class Explorer {
     const samples = samplesOf(periods);
     const run = this.engine.run(samples);
     if (run.error) return run.error;
-    Object.assign(this, { choices, values, units, run, samples });
+    Object.assign(this, { choices, values, fixed, units, natural, absorbers, run, samples });
     return null;
   }
 
   /** Shows another scene, as a step that can be taken back. */
   load(scene) {
     const before = this.snapshot();
-    const error = this.accept({ ...scene.choices }, { ...scene.values });
+    const error = this.accept({ ...scene.choices }, { ...scene.values }, scene.fixed ?? {});
     if (error) return error;
     this.pending.clear();
     this.refused = null;
@@ -142,7 +176,7 @@ export class Explorer {
     const waiting = {};
     const before = this.snapshot();
     const chosen = { ...this.choices, ...choices };
-    const belongs = (path) => this.fields.get(path).kinds.includes(chosen.kind);
+    const belongs = (path) => fits(this.fields.get(path), kindsOf(chosen));
     for (const [path, { value }] of this.pending) if (!(path in changes) && belongs(path)) waiting[path] = value;
     let error = null;
     if (Object.keys(waiting).length) {
@@ -184,13 +218,17 @@ export class Explorer {
 
   /** A change of one field that takes away the other forms of its slot. */
   inSlot(path, value) {
-    const { part, group } = this.fields.get(path);
     const changes = {};
-    for (const field of this.slot(`${part}.${group}`).fields) {
+    for (const field of this.slot(this.fields.get(path).slot).fields) {
       if (this.values[field.path] !== undefined) changes[field.path] = undefined;
     }
     changes[path] = value;
     return changes;
+  }
+
+  /** The key of a slot of the absorber of this number in the list. */
+  keyOf(number, part, group) {
+    return this.kinds.length > 1 ? `${part}.${number}.${group}` : `${part}.${group}`;
   }
 
   slot(key) {
@@ -203,7 +241,7 @@ export class Explorer {
   }
 
   forms(slot) {
-    return formsOf(slot, this.choices.kind, this.units);
+    return formsOf(slot, this.kinds, this.units);
   }
 
   /** The value of a slot in its base quantity (a length, a ratio), 0 where it has a default of 0. */
@@ -211,13 +249,13 @@ export class Explorer {
     const field = this.form(key);
     if (!field) return NaN;
     const value = this.values[field.path] ?? field.default ?? NaN;
-    return toBase(field.path, value, settingOf(this.values));
+    return toBase(field.path, value, this.setting);
   }
 
   /** Gives a slot a value in its base quantity, in the form that it has; `round` shortens it. */
   hold(key, base, what, round = (value) => value) {
     const field = this.form(key);
-    return this.edit(this.inSlot(field.path, round(fromBase(field.path, base, settingOf(this.values)))), what);
+    return this.edit(this.inSlot(field.path, round(fromBase(field.path, base, this.setting))), what);
   }
 
   undo() {
@@ -232,7 +270,7 @@ export class Explorer {
     const scene = from.pop();
     if (!scene) return;
     to.push(this.snapshot());
-    this.accept(scene.choices, scene.values);
+    this.accept(scene.choices, scene.values, scene.fixed);
     this.pending.clear();
     this.refused = null;
     this.last = { what: null, at: 0 };

@@ -1,6 +1,8 @@
 // What one takes away: the scene as Python and as a study, a view as picture and as numbers.
 
+import { Engine } from "./engine.js";
 import { make } from "./format.js";
+import { kindsOf } from "./slots.js";
 
 /** As Python and TOML read it back: the shortest digits that give the same double. */
 function literal(value, whole) {
@@ -8,51 +10,86 @@ function literal(value, whole) {
   return whole || /[.e]/.test(text) ? text : `${text}.0`;
 }
 
-function partsOf(scene) {
-  const parts = { primary: [], absorber: [], force: [], start: [], run: [] };
-  for (const [path, value] of Object.entries(scene.values)) {
-    const [part, name] = path.split(".");
-    parts[part].push([name, literal(value, name === "max_impacts" || name === "max_work")]);
+/** A list, a name or a number of an entry; what is named in a table goes with the sign of the language. */
+function entry(value, sign) {
+  if (Array.isArray(value)) return `[${value.map((one) => entry(one, sign)).join(", ")}]`;
+  if (value !== null && typeof value === "object") {
+    return `{ ${Object.entries(value).map(([name, one]) => `${JSON.stringify(name)}${sign} ${entry(one, sign)}`).join(", ")} }`;
   }
-  return parts;
+  return typeof value === "string" ? JSON.stringify(value) : String(value);
 }
 
-function words(scene, form) {
-  return Object.entries(scene.choices)
-    .filter(([name]) => name !== "kind" && scene.choices.kind === "piva")
-    .map(([name, word]) => form(name, `"${word}"`));
+const WHOLE = ["max_impacts", "max_work", "units"];
+
+/** The fields of a part, in a list of that with this number; a start lists what each absorber has. */
+function fieldsIn({ values }, part, number) {
+  const prefix = number === undefined ? `${part}.` : `${part}.${number}.`;
+  return Object.entries(values).map(([path, value]) => [path, path.slice(prefix.length), value])
+    .filter(([path, name]) => path.startsWith(prefix) && !name.includes("."))
+    .map(([, name, value]) => [name, literal(value, WHOLE.includes(name))]);
+}
+
+/** Absorbers with their words, fields and tables; forces with their fields. */
+function partsOf(scene) {
+  const kinds = kindsOf(scene.choices);
+  const several = (count) => Array.from({ length: count }, (_, number) => (count > 1 ? number : undefined));
+  const absorbers = several(kinds.length).map((number) => ({
+    kind: kinds[number ?? 0],
+    words: Object.entries(scene.choices).filter(([name]) => (number === undefined || name.startsWith(`${number}.`)) && !name.endsWith("kind"))
+      .map(([name, word]) => [name.split(".").at(-1), `"${word}"`]),
+    fields: fieldsIn(scene, "absorber", number),
+    table: scene.fixed.tables?.[number ?? 0],
+  }));
+  const forces = several(Engine.forces(scene)).map((number) => ({
+    record: scene.fixed.records?.[number ?? 0], fields: fieldsIn(scene, "force", number),
+  }));
+  const begun = {};
+  for (const [number] of kinds.entries()) {
+    for (const [name, text] of kinds.length > 1 ? fieldsIn(scene, "start", number) : []) {
+      begun[name] ??= kinds.map(() => "0.0");
+      begun[name][number] = text;
+    }
+  }
+  const start = [...fieldsIn(scene, "start"), ...Object.entries(begun).map(([name, all]) => [name, `[${all.join(", ")}]`])];
+  return { absorbers, forces, start, primary: fieldsIn(scene, "primary"), run: fieldsIn(scene, "run") };
 }
 
 /** A program that runs the scene and prints it. */
 export function asPython(scene) {
-  const parts = partsOf(scene);
-  const argument = (name, text) => `${name}=${text}`;
-  const call = (name, part, more = []) =>
-    `iva.${name}(${[...parts[part].map(([field, text]) => argument(field, text)), ...more].join(", ")})`;
-  const { kind } = scene.choices;
-  const absorber = kind === "none" ? "None"
-    : call(kind === "piva" ? "Piva" : "Siva", "absorber", words(scene, argument));
-  const blow = parts.force.some(([name]) => ["velocity", "impulse"].includes(name));
+  const { absorbers, forces, start, primary, run } = partsOf(scene);
+  const call = (name, fields) => `iva.${name}(${fields.map(([field, text]) => `${field}=${text}`).join(", ")})`;
+  const among = (all) => (all.length > 1 ? `[${all.join(", ")}]` : all[0]);
+  const { structure = null } = scene.fixed;
+  const entries = (all) => Object.entries(all).map(([name, value]) => [name, entry(value, ":")]);
+  const absorber = ({ kind, words, fields, table }) => (kind === "none" ? "None" : call(kind === "piva" ? "Piva" : "Siva",
+    [...words, ...fields, ...(table ? [["restitution_table", entry(table, ":")]] : [])]));
+  const force = ({ record, fields }) => (record
+    ? call("Recorded", [["times", entry(record.times)], ["values", entry(record.values)], ["kind", `"${record.kind}"`], ...fields])
+    : call(fields.some(([name]) => ["velocity", "impulse"].includes(name)) ? "Impulse" : "Harmonic", fields));
   const lines = [
-    absorber,
-    call("Primary", "primary"),
-    `start=${call("Start", "start")}`,
-    ...(parts.force.length ? [`force=${call(blow ? "Impulse" : "Harmonic", "force")}`] : []),
-    ...parts.run.map(([name, text]) => argument(name, text)),
+    among(absorbers.map(absorber)),
+    structure ? call("Structure", entries(structure)) : call("Primary", primary),
+    `start=${call("Start", start)}`,
+    ...(forces.length ? [`force=${among(forces.map(force))}`] : []),
+    ...run.map(([name, text]) => `${name}=${text}`),
   ];
   return `import iva\n\nrun = iva.simulate(\n${lines.map((line) => `    ${line},\n`).join("")})\nprint(run)\n`;
 }
 
-/** A study file of the scene, for `iva run`. */
+/** A study file of the scene, for `iva run`; a record is to be put beside it as a file. */
 export function asStudy(scene) {
-  const parts = partsOf(scene);
-  const line = (name, text) => `${name} = ${text}`;
-  const chosen = [line("kind", `"${scene.choices.kind}"`), ...words(scene, line)];
-  const sections = Object.entries(parts).map(([part, fields]) => {
-    const lines = [...(part === "absorber" ? chosen : []), ...fields.map(([name, text]) => line(name, text))];
-    return lines.length ? `\n[${part}]\n${lines.join("\n")}\n` : "";
-  });
-  return `version = 1\n${sections.join("")}`;
+  const { absorbers, forces, start, primary, run } = partsOf(scene);
+  const section = (head, fields) => (fields.length ? `\n${head}\n${fields.map(([name, text]) => `${name} = ${text}\n`).join("")}` : "");
+  const structure = Object.entries(scene.fixed.structure ?? {}).map(([name, value]) => [name, entry(value, " =")]);
+  const head = (name, all) => (all.length > 1 ? `[[${name}]]` : `[${name}]`);
+  return [
+    "version = 1\n", section("[primary]", primary), section("[structure]", structure),
+    ...absorbers.map(({ kind, words, fields, table }) => section(head("absorber", absorbers), [
+      ["kind", `"${kind}"`], ...words, ...fields, ...(table ? [["restitution_table", entry(table, "")]] : [])])),
+    ...forces.map(({ record, fields }, index) => section(head("force", forces), [
+      ...(record ? [["record", `"record_${index}.csv"`], ["kind", `"${record.kind}"`]] : []), ...fields])),
+    section("[start]", start), section("[run]", run),
+  ].join("");
 }
 
 /** Columns of numbers as text, to the last bit. */

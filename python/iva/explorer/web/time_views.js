@@ -1,11 +1,10 @@
 // x(t) with envelope and impacts, and y(t) between the walls.
 
 import { View, aroundZero, extent } from "./plot.js";
-import { sampleAt, stateAt } from "./motion.js";
+import { pointOf, sampleAt, stateAt } from "./motion.js";
 import { shown, withUnit } from "./format.js";
 
-function timeAxis({ run }) {
-  const times = run.trajectory.time;
+function timeAxis({ path: { time: times } }) {
   return [times[0], times[times.length - 1]];
 }
 
@@ -37,11 +36,11 @@ function impactTicks(plot, impacts) {
 const SETTLED = [["settling_time_10", 0.1, "10 %"], ["settling_time_5", 0.05, ""], ["settling_time_2", 0.02, ""]];
 
 function drawDisplacement(plot, data) {
-  const { run, drawn, alone, forced, showAlone } = data;
+  const { run, path, drawn, alone, forced, showAlone } = data;
   const { factor, unit } = drawn("Length");
-  const path = run.trajectory;
   const { colours } = plot;
-  const [low, high] = extent(path.displacement, ...(alone && showAlone ? [alone.displacement] : []));
+  const others = otherPoints(data);
+  const [low, high] = extent(path.displacement, ...others.map(([, { displacement }]) => displacement), ...(alone && showAlone ? [alone.displacement] : []));
   plot.axes({
     x: timeAxis(data), y: aroundZero(factor * Math.max(-low, high)),
     xLabel: `time t (${drawn("Time").unit})`, yLabel: `x (${unit})`,
@@ -55,6 +54,11 @@ function drawDisplacement(plot, data) {
       plot.line(peaks.time, sizes, colours.quiet, 0.8, factor);
       plot.line(peaks.time, sizes, colours.quiet, 0.8, -factor);
     }
+    others.forEach(([point, { time, displacement }], index) => {
+      const colour = [colours.absorber, colours.damper, colours.spring][index % 3];
+      plot.line(time, displacement, colour, 1, factor);
+      plot.text(point, plot.box.right - 3, plot.box.bottom - 14 - 13 * index, colour, "right");
+    });
     plot.line(path.time, path.displacement, colours.structure, 1.5, factor);
     if (!forced) {
       for (const [name, level] of SETTLED) {
@@ -68,6 +72,12 @@ function drawDisplacement(plot, data) {
   });
 }
 
+/** The points of absorbers on a structure with modes that are not the one which the run sees. */
+function otherPoints(data) {
+  const points = new Set(data.absorbers.map(({ point }) => point).filter((point) => point && point !== data.modal?.seen));
+  return [...points].map((point) => [point, pointOf(data, point, data.path)]);
+}
+
 function settlingLines(plot, { reference }, factor) {
   const { colours, box } = plot;
   for (const [, level, label] of SETTLED.slice(0, 1)) {
@@ -76,10 +86,10 @@ function settlingLines(plot, { reference }, factor) {
   }
 }
 
-function moveDisplacement(plot, { run, drawn }, instant) {
+function moveDisplacement(plot, { path, drawn }, instant) {
   const { factor } = drawn("Length");
   cursor(plot, instant);
-  plot.dot(instant, factor * stateAt(run.trajectory, instant).x, 4, plot.colours.accent);
+  plot.dot(instant, factor * stateAt({ path, at: path }, instant).x, 4, plot.colours.accent);
 }
 
 export function displacementView() {
@@ -88,13 +98,13 @@ export function displacementView() {
     title: "Structure x(t)",
     draw: drawDisplacement,
     move: moveDisplacement,
-    columns: ({ run: { trajectory: path } }) => ({
+    columns: ({ path }) => ({
       time: path.time, displacement: path.displacement, velocity: path.velocity,
       ...(path.acceleration ? { acceleration: path.acceleration } : {}),
     }),
-    describe: ({ run, drawn }) => {
+    describe: ({ run, path, drawn }) => {
       const { factor, unit } = drawn("Length");
-      const [low, high] = extent(run.trajectory.displacement);
+      const [low, high] = extent(path.displacement);
       const settles = run.summary.settling_time_5;
       const told = settles === null || settles === undefined ? ""
         : `, below 5 percent from ${withUnit(settles, drawn("Time").unit)} on`;
@@ -104,22 +114,21 @@ export function displacementView() {
   });
 }
 
-function drawGap(plot, data) {
-  const { run, drawn, clearance, offset } = data;
-  const { factor, unit } = drawn("Length");
-  const path = run.trajectory;
+function drawGap(plot, data, { path, impacts, episodes, clearance, offset, has }) {
+  const { factor, unit } = data.drawn("Length");
   const { colours, context: c } = plot;
   const [low, high] = extent(path.gap_displacement);
   const reach = clearance < 3 * Math.max(high - offset, offset - low) ? clearance : 0;
-  const top = Math.max(high, offset + reach) * factor;
-  const bottom = Math.min(low, offset - reach) * factor;
+  const top = (has[1] ? Math.max(high, offset + reach) : high) * factor;
+  const bottom = (has[-1] ? Math.min(low, offset - reach) : low) * factor;
   const room = 0.08 * (top - bottom || 1);
   plot.axes({
     x: timeAxis(data), y: [bottom - room, top + room],
-    xLabel: `time t (${drawn("Time").unit})`, yLabel: `y (${unit})`,
+    xLabel: `time t (${data.drawn("Time").unit})`, yLabel: `y (${unit})`,
   });
   plot.inside(() => {
     for (const wall of [1, -1]) {
+      if (!has[wall]) continue;
       c.fillStyle = wall > 0 ? colours.plus : colours.minus;
       const at = plot.y((offset + wall * clearance) * factor);
       // Behind a wall is nothing to be seen of the absorber.
@@ -129,43 +138,44 @@ function drawGap(plot, data) {
       c.fillRect(plot.box.left, at - 0.75, plot.box.right - plot.box.left, 1.5);
     }
     plot.line(path.time, path.gap_displacement, colours.absorber, 1.4, factor);
-    const stays = run.episodes;
     c.lineWidth = 3.5;
-    for (let index = 0; index < stays.wall.length; index += 1) {
-      const until = stays.release_time[index];
+    for (let index = 0; index < episodes.wall.length; index += 1) {
+      const until = episodes.release_time[index];
       const to = Number.isFinite(until) && until !== null ? until : path.time[path.time.length - 1];
-      const at = plot.y((offset + stays.wall[index] * clearance) * factor);
+      const at = plot.y((offset + episodes.wall[index] * clearance) * factor);
       c.strokeStyle = colours.absorber;
-      plot.stroke([[plot.x(stays.stick_time[index]), at], [plot.x(to), at]]);
+      plot.stroke([[plot.x(episodes.stick_time[index]), at], [plot.x(to), at]]);
     }
-    for (let index = 0; index < run.impacts.time.length; index += 1) {
-      const wall = run.impacts.wall[index];
+    for (let index = 0; index < impacts.time.length; index += 1) {
+      const wall = impacts.wall[index];
       const colour = wall > 0 ? colours.plus : colours.minus;
-      plot.dot(run.impacts.time[index], (offset + wall * clearance) * factor, 2.6, colour);
+      plot.dot(impacts.time[index], (offset + wall * clearance) * factor, 2.6, colour);
     }
   });
 }
 
-function moveGap(plot, { run, drawn }, instant) {
-  cursor(plot, instant);
-  plot.dot(instant, drawn("Length").factor * stateAt(run.trajectory, instant).y, 4, plot.colours.absorber);
-}
-
-export function gapView() {
+/** The gap of the absorber at this place. */
+export function gapView(place) {
+  const of = (data) => data.absorbers[place];
   return new View({
-    name: "gap",
+    name: place ? `gap_${place}` : "gap",
     title: "Absorber in its gap y(t)",
-    draw: drawGap,
-    move: moveGap,
-    columns: ({ run: { trajectory: path } }) => ({
-      time: path.time, gap_displacement: path.gap_displacement, gap_velocity: path.gap_velocity, wall: path.wall,
-    }),
-    describe: ({ run, drawn, clearance, offset }) => {
-      const { factor, unit } = drawn("Length");
-      const above = run.impacts.wall.filter((wall) => wall > 0).length;
+    draw: (plot, data) => drawGap(plot, data, of(data)),
+    move: (plot, data, instant) => {
+      cursor(plot, instant);
+      plot.dot(instant, data.drawn("Length").factor * stateAt(of(data), instant).y, 4, plot.colours.absorber);
+    },
+    columns: (data) => {
+      const { path } = of(data);
+      return { time: path.time, gap_displacement: path.gap_displacement, gap_velocity: path.gap_velocity, wall: path.wall };
+    },
+    describe: (data) => {
+      const { clearance, offset, impacts, episodes } = of(data);
+      const { factor, unit } = data.drawn("Length");
+      const above = impacts.wall.filter((wall) => wall > 0).length;
       return `Gap displacement over time between walls at ${shown((offset - clearance) * factor)} and `
         + `${withUnit((offset + clearance) * factor, unit)}; ${above} impacts on wall plus, `
-        + `${run.impacts.wall.length - above} on wall minus, ${run.episodes.wall.length} stays on a wall`;
+        + `${impacts.wall.length - above} on wall minus, ${episodes.wall.length} stays on a wall`;
     },
   });
 }

@@ -1,7 +1,7 @@
 // Between a scene without dimensions and the same scene in SI units, with lengths in millimetres.
 
 import { rounded } from "./format.js";
-import { BASES, fromBase, settingOf, toBase } from "./slots.js";
+import { BASES, fromBase, plain, settingOf, toBase } from "./slots.js";
 
 /** The rig that a scene without dimensions becomes: 3 kg on 12 kN/m, and 4 mm for a length of 1. */
 const RIG = { mass: 3, stiffness: 12_000, length: 0.004 };
@@ -41,14 +41,13 @@ export function converted(values, fields, length, frequency) {
   for (const [path, value] of Object.entries(values)) {
     const field = fields.get(path);
     if (path === "primary.mass" || (field.part === "primary" && field.group === "frequency")) continue;
-    const unitless = ["Ratio", "Count", "Angle", "Degree"].includes(field.quantity);
-    const base = unitless ? path : BASES[`${field.part}.${field.group}`] ?? path;
-    const held = unitless ? value : base === "force.amplitude" && path === "force.base_acceleration"
-      ? value : toBase(path, value, setting);
-    const to = path === "force.base_acceleration" ? path : base;
+    const own = ["Ratio", "Count", "Angle", "Degree"].includes(field.quantity) || plain(path) === "force.base_acceleration";
+    const base = own ? plain(path) : BASES[`${field.part}.${field.group}`] ?? plain(path);
+    const held = own ? value : toBase(path, value, setting);
+    const to = path.replace(/[^.]+$/, base.split(".")[1]);
     if (Number.isNaN(held)) throw new RangeError(`${path} cannot be given in the other units; clear it first`);
     const target = fields.get(to);
-    result[to] = rounded(held * (unitless ? 1 : factorOf(target.quantity, length, frequency)), 12);
+    result[to] = rounded(held * factorOf(target.quantity, length, frequency), 12);
   }
   return result;
 }
@@ -58,8 +57,8 @@ export function toSi(values, fields) {
   const setting = settingOf(values);
   const frequency = Math.sqrt(RIG.stiffness / RIG.mass);
   const result = converted(values, fields, RIG.length, frequency / setting.natural);
-  for (const name of ["start.displacement", "absorber.clearance", "absorber.gap_offset"]) {
-    if (result[name] === undefined) continue;
+  for (const name of Object.keys(result)) {
+    if (!["start.displacement", "absorber.clearance", "absorber.gap_offset"].includes(plain(name))) continue;
     result[`${name}_mm`] = rounded(1e3 * result[name], 12);
     delete result[name];
   }

@@ -8,7 +8,7 @@ use super::regime::Regime;
 use super::series::{EXACT, ModalSeries, Series, scaled};
 use super::state::{Felt, Modes, Place};
 use super::swings::{Grown, Swing};
-use super::{Modal, ModalState, SYSTEMS};
+use super::{Modal, ModalState};
 use crate::absorber::Clock;
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -112,10 +112,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize, const M: usize> ModalMotion
     /// That of the structure, where it moves as one.
     #[inline(always)]
     pub(super) fn oscillation(&self) -> Option<&Oscillation<'a, H>> {
-        match &self.oscillation {
-            None if !SYSTEMS => unreachable!("structures of this kind are not built"),
-            oscillation => oscillation.as_ref(),
-        }
+        self.oscillation.as_ref()
     }
 
     fn expansion(&self) -> &Expansion<'a, R> {
