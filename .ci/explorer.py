@@ -27,7 +27,7 @@ CRATES = ("iva-core", "iva-sweep", "iva-wasm")
 COMPILER = "rustc-web rust-web-src libstd-rust-web-dev libstd-rust-web-1.96 libllvm22 lld-22"
 #: Addresses in as few bytes as they need.
 FLAGS = "-Clink-arg=--compress-relocations"
-#: How the module is packed: a byte of it depends on what came before it, and not on where it stands.
+#: How the module is packed: what a byte is likely to be depends on that before it.
 PACKING = {"id": lzma.FILTER_LZMA1, "preset": 9 | lzma.PRESET_EXTREME, "lc": 4, "pb": 0}
 
 

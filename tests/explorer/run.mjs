@@ -4,16 +4,16 @@ import { readFileSync } from "node:fs";
 import { Engine } from "./engine.mjs";
 
 const [module] = process.argv.slice(2);
-const engine = await Engine.load(readFileSync(module));
+const engine = await Engine.load(new Uint8Array(readFileSync(module)));
 const asked = JSON.parse(readFileSync(0, "utf8"));
 const plain = (table) => Object.fromEntries(
   Object.entries(table).map(([name, values]) => [name, Array.from(values, (it) => (Number.isNaN(it) ? null : it))]),
 );
 const answers = asked.map(({ scene, map }) => {
-  const { error, units } = engine.set(scene);
+  const { error, units, absorbers } = engine.set(scene);
   if (error) return { error };
   if (map) return { map: plain({ map: engine.map(...map) }).map };
-  const { trajectory, energies, impacts, episodes, envelope, summary } = engine.run(20, true);
-  return { units, summary, ...{ trajectory: plain(trajectory), impacts: plain(impacts) }, episodes: plain(episodes), energies: plain(energies), envelope: plain(envelope) };
+  const { error: fault, summary, units: _, ...tables } = engine.run(20, true);
+  return { fault, units, places: absorbers, summary, ...Object.fromEntries(Object.entries(tables).map(([name, table]) => [name, plain(table)])) };
 });
 process.stdout.write(JSON.stringify({ description: engine.description, answers }));

@@ -6,6 +6,7 @@ and from frame to frame while it slides. The first frame counts from the begin o
 
 from __future__ import annotations
 
+import json
 import math
 import statistics
 import tempfile
@@ -73,11 +74,26 @@ MAP = """(async () => {
   return {coarse: told.coarse, whole: performance.now() - began, 'longest frame': longest};
 })()"""
 
-#: Changes of the first scene, as the page takes them.
+#: Two masses, as the page takes them.
+LIST = {
+    "choices": {"0.kind": "siva", "1.kind": "siva"},
+    "values": {
+        "primary.damping_ratio": 0.005,
+        **{f"absorber.{k}.mass_ratio": 0.05 for k in (0, 1)},
+        **{f"absorber.{k}.restitution": 0.6 for k in (0, 1)},
+        **{f"absorber.{k}.clearance": 0.5 - 0.1 * k for k in (0, 1)},
+        "start.displacement": 1.0,
+        "run.periods": 20.0,
+    },
+}
+#: Changes of the first scene.
 SCENES = {
-    "free mass": "{}, null",
-    "pendulum": "{'absorber.length': 3, 'absorber.frequency_ratio': 0.4}, null, {kind: 'piva'}",
-    "force": "{'force.amplitude': 0.1, 'force.relative_frequency': 1.05}, null",
+    "free mass": "edit({}, null)",
+    "pendulum": "edit({'absorber.length': 3, 'absorber.frequency_ratio': 0.4}, null, "
+    "{kind: 'piva'})",
+    "force": "edit({'force.amplitude': 0.1, 'force.relative_frequency': 1.05}, null)",
+    "friction": "edit({'absorber.friction': 0.05, 'absorber.gravity': 1}, null)",
+    "two masses": f"load({json.dumps(LIST)})",
 }
 
 
@@ -129,7 +145,7 @@ def main() -> None:
                     "explorer.ready.then((page) => { page.play(false); globalThis.now = page; })"
                 )
                 print(f"{name}: first frame {first:.0f} ms after the navigation began")
-                browser.value(f"now.state.edit({scene})")
+                browser.value(f"now.state.{scene}")
                 browser.wait("now.map.told.textContent === ''", 120)
                 script, frames = browser.value(SLIDE)
                 told("a step of the slider, script", script)

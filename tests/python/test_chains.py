@@ -237,14 +237,6 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
             ),
             ["stop"],
         ),
-        (
-            lambda: iva.explore(
-                iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5, walls="plus"),
-                iva.Primary(),
-                start=iva.Start(),
-            ),
-            ["walls"],
-        ),
     ],
 )
 def test_a_sentence_says_what_is_wrong(make: object, words: list[str]) -> None:

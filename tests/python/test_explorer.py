@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import lzma
 import math
 import re
 import shutil
@@ -33,6 +34,13 @@ NODE = shutil.which("node")
 SIVA = iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.4)
 START = iva.Start(displacement=1.0)
 STEEL = iva.Primary(mass=2.0, frequency_hz=3.0, damping_ratio=0.004)
+TOWER = iva.Structure(
+    frequencies_hz=[3.0, 11.0],
+    damping_ratios=[0.01, 0.01],
+    points={"the top": [0.1, 0.08], "half way": [0.06, -0.09]},
+    absorber_at=["the top", "half way"],
+    force_at="the top",
+)
 
 SCENES: dict[str, dict[str, Any]] = {
     "free mass": {"absorber": SIVA, "primary": iva.Primary(damping_ratio=0.005), "start": START},
@@ -77,8 +85,63 @@ SCENES: dict[str, dict[str, Any]] = {
         "start": iva.Start(),
         "force": iva.Harmonic(base_acceleration=0.1, frequency=1.1),
     },
+    "friction, a spring and a dashpot": {
+        "absorber": dataclasses.replace(
+            SIVA, friction=0.02, gravity=1, spring_ratio=0.5, gap_damping_ratio=0.001
+        ),
+        "primary": iva.Primary(damping_ratio=0.01),
+        "start": START,
+    },
+    "one wall, by a table": {
+        "absorber": iva.Siva(
+            mass=0.2,
+            gap_mm=8.0,
+            walls="plus",
+            spring_ratio=0.9,
+            restitution_table=[[0.001, 0.9], [0.1, 0.6]],
+        ),
+        "primary": STEEL,
+        "start": iva.Start(displacement_mm=6.0),
+    },
+    "a mass and a pendulum": {
+        "absorber": [
+            SIVA,
+            iva.Piva(
+                mass_ratio=0.05, restitution=0.6, clearance=0.3, frequency_ratio=0.4, length=10.0
+            ),
+        ],
+        "primary": iva.Primary(damping_ratio=0.01),
+        "start": iva.Start(displacement=1.0, gap_displacement=[0.1, 0.0]),
+    },
+    "units": {
+        "absorber": dataclasses.replace(SIVA, units=3, clearance_spread=0.2),
+        "primary": iva.Primary(damping_ratio=0.01),
+        "start": START,
+    },
+    "modes": {
+        "absorber": [
+            iva.Siva(mass=8.0, restitution=0.6, gap_mm=20.0, friction=0.01),
+            iva.Siva(mass=4.0, restitution=0.5, gap_mm=15.0),
+        ],
+        "primary": TOWER,
+        "start": iva.Start(displacement_mm=15.0),
+        "force": iva.Impulse(impulse=20.0, time=0.3),
+    },
+    "two harmonics and a record": {
+        "absorber": SIVA,
+        "primary": iva.Primary(damping_ratio=0.02),
+        "start": iva.Start(),
+        "force": [
+            iva.Harmonic(amplitude=0.1, frequency=0.95),
+            iva.Recorded([0.0, 1.0, 2.5], [0.0, 0.4, 0.0], kind="base_acceleration"),
+            iva.Harmonic(amplitude=0.05, frequency=1.3, phase=0.5),
+        ],
+    },
     "alone": {"absorber": None, "primary": iva.Primary(damping_ratio=0.02), "start": START},
 }
+
+#: What is estimated by products of matrices, which other machines round otherwise.
+ESTIMATES = ("time_error", "condition", "digits")
 
 
 def asked(parts: dict[str, Any]) -> dict[str, Any]:
@@ -98,8 +161,8 @@ def answered(tmp_path: Path, asked: list[dict[str, Any]]) -> dict[str, Any]:
         "run.mjs": (HERE / "run.mjs").read_text(encoding="utf-8"),
     }.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    module = tmp_path / "simulator.wasm.gz"
-    module.write_bytes(home.joinpath("simulator.wasm.gz").read_bytes())
+    module = tmp_path / "simulator.wasm"
+    module.write_bytes(lzma.decompress(home.joinpath("simulator.wasm.lzma").read_bytes()))
     command = [NODE, str(tmp_path / "run.mjs"), str(module)]
     done = subprocess.run(
         command, input=json.dumps(asked), capture_output=True, text=True, check=False, timeout=300
@@ -113,6 +176,7 @@ def test_it_gives_the_numbers_of_the_wheel_to_the_bit(tmp_path: Path) -> None:
     answers = answered(tmp_path, [asked(parts) for parts in SCENES.values()])["answers"]
     compared = 0
     for (name, parts), answer in zip(SCENES.items(), answers, strict=True):
+        assert not answer.get("error"), f"{name}: {answer['error']}"
         run = iva.simulate(**parts, periods=12, errors=True)
         tables = {"impacts": run.impacts, "episodes": run.episodes, "envelope": run.envelope}
         for table, frame in {**tables, "trajectory": run.trajectory(20)}.items():
@@ -120,12 +184,14 @@ def test_it_gives_the_numbers_of_the_wheel_to_the_bit(tmp_path: Path) -> None:
                 if column in answer[table]:
                     ours = [None if v is None else float(v) for v in frame[column].to_list()]
                     seen = answer[table][column]
-                    assert seen == ours, f"{name}: {table}.{column}"
+                    same = pytest.approx(ours, rel=1e-6) if column in ESTIMATES else ours
+                    assert seen == same, f"{name}: {table}.{column}"
                     compared += len(ours)
         for column, value in run.summary.row(0, named=True).items():
             if value is not None and column != "point":
                 seen = answer["summary"][column]
-                assert seen == value, f"{name}: {column} is {seen}, not {value}"
+                same = pytest.approx(value, rel=1e-6) if column in ESTIMATES else value
+                assert seen == same, f"{name}: {column} is {seen}, not {value}"
         # Energies: at the start, and across impacts.
         total = answer["energies"]["total"]
         assert total[0] == run.summary["energy_initial"].item()
@@ -134,6 +200,35 @@ def test_it_gives_the_numbers_of_the_wheel_to_the_bit(tmp_path: Path) -> None:
             after = rows[time]
             assert total[after - 1] - total[after] == pytest.approx(loss, abs=1e-13 * max(total))
     assert compared > 10_000
+
+
+def test_the_points_of_a_structure_move_as_a_run_sees_them(tmp_path: Path) -> None:
+    [answer] = answered(tmp_path, [asked(SCENES["modes"])])["answers"]
+    assert [it["point"] for it in answer["places"]] == ["the top", "half way"]
+    assert [it["walls"] for it in answer["places"]] == [[-0.01, 0.01], [-0.0075, 0.0075]]
+    free = {name: SCENES["modes"][name] for name in ("absorber", "start")}
+    [answer] = answered(tmp_path, [asked({**free, "primary": TOWER})])["answers"]
+    times = answer["samples"]["time"]
+    for point in ("the top", "half way"):
+        # A start is what the point does that is seen; this one is the same motion.
+        size = 1.0 if point == "the top" else 0.6
+        start = iva.Start(displacement_mm=15.0 * size)
+        seen = dataclasses.replace(TOWER, seen_at=point)
+        path = iva.simulate(free["absorber"], seen, start=start, periods=12).trajectory(20)
+        moved = dict(zip(path["time"], path["displacement"], strict=True))
+        ours = [moved[time] for time in times]
+        assert ours == pytest.approx(answer["points"][point], abs=1e-9)
+    assert len(times) > 200
+
+
+def test_every_measure_of_a_list_is_on_the_map(tmp_path: Path) -> None:
+    scene = asked(SCENES["a mass and a pendulum"])
+    axes = ["absorber.1.clearance", [0.2, 0.3], "absorber.0.mass_ratio", [0.1]]
+    run = iva.simulate(**SCENES["a mass and a pendulum"], periods=12)
+    row = {k: v for k, v in run.summary.row(0, named=True).items() if isinstance(v, float)}
+    wanted = [{**scene, "map": [*axes, measure]} for measure in row]
+    answers = answered(tmp_path, wanted)["answers"]
+    assert [it["map"][1] for it in answers] == list(row.values())
 
 
 def test_a_map_is_a_sweep(tmp_path: Path) -> None:
@@ -165,8 +260,7 @@ def test_a_value_that_cannot_be_is_told_as_by_the_wheel(tmp_path: Path) -> None:
 
 def test_the_page_is_one_file_without_a_network() -> None:
     html = iva.explore().html
-    # Nine tenths are the simulator, with all laws of restitution and without lists. It takes a
-    # structure alone for a system of terms.
+    # Nine tenths are the simulator, with all kinds of scene.
     assert len(html) < 600_000
     assert not re.search(r"""(src|href)=["'](?!data:)|@import|url\((?!["']?data:)""", html)
     assert "%SCENE%" not in html
@@ -187,9 +281,6 @@ def test_explore_takes_runs_and_parts(tmp_path: Path) -> None:
     assert (tmp_path / "page.html").read_text(encoding="utf-8") == of_run.html
     with pytest.raises(TypeError, match=r"give iva\.explore the run alone"):
         iva.explore(run, iva.Primary())
-    record = iva.Recorded([0.0, 1.0], [0.0, 1.0])
-    with pytest.raises(ValueError, match="one harmonic force"):
-        iva.explore(SIVA, iva.Primary(), force=record, periods=5)
     assert isinstance(iva.explore(), Explorer)
 
 
@@ -198,42 +289,16 @@ def test_a_list_of_one_absorber_is_that_absorber() -> None:
     assert of_list.html == iva.explore(SIVA, iva.Primary(), start=START, periods=5).html
 
 
-@pytest.mark.parametrize(
-    ("changed", "told"),
-    [
-        (
-            {"absorber": [SIVA, SIVA]},
-            "absorber = a list of 2: the explorer shows one absorber; give one of them",
-        ),
-        (
-            {"absorber": dataclasses.replace(SIVA, units=3)},
-            "absorber.units = 3: the explorer shows one absorber of one unit; leave it out",
-        ),
-        (
-            {"absorber": dataclasses.replace(SIVA, friction=0.1, gravity=1)},
-            "absorber.friction = 0.1: the explorer takes none; leave it out",
-        ),
-        (
-            {"absorber": dataclasses.replace(SIVA, gap_damping_ratio=0.02)},
-            "absorber.gap_damping_ratio = 0.02: the explorer takes no dashpot; leave it out",
-        ),
-        (
-            {"absorber": dataclasses.replace(SIVA, spring_ratio=0.9)},
-            "absorber.spring_ratio = 0.9: the explorer takes no spring in the gap; leave it out",
-        ),
-        (
-            {"start": iva.Start(impulse_velocity=1)},
-            "start.impulse_velocity = 1: the explorer takes no impulse; give a start velocity",
-        ),
-    ],
-)
-def test_what_the_page_does_not_show_is_refused(changed: dict[str, Any], told: str) -> None:
-    scene = {"absorber": SIVA, "primary": iva.Primary(), "start": START, "periods": 5, **changed}
+def test_what_the_page_does_not_show_is_refused() -> None:
+    stop = iva.Stop(clearance=0.5, restitution=0.5)
+    run = iva.simulate(stop, iva.Primary(), start=iva.Start(velocity=1.0), periods=5)
+    told = 'absorber.kind = "stop": the explorer shows an absorber; give one'
     with pytest.raises(ValueError, match=re.escape(told)):
-        iva.explore(iva.simulate(**scene))
-    absorber = scene.pop("absorber")
+        iva.explore(run)
+    run = iva.simulate(SIVA, iva.Primary(), start=START, periods=5, tolerance=1e-9)
+    told = "run.tolerance = 1e-09: the explorer shows the exact motion; leave it out"
     with pytest.raises(ValueError, match=re.escape(told)):
-        iva.explore(absorber, **scene)
+        iva.explore(run)
 
 
 def test_what_says_none_is_not_refused(tmp_path: Path) -> None:
@@ -246,10 +311,6 @@ def test_what_says_none_is_not_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("study", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_scene_of_a_study_runs(study: Path) -> None:
-    if study.stem in ("earthquake", "frame_two_storeys"):
-        with pytest.raises(ValueError, match="one harmonic force"):
-            of_study(study)
-        return
     run = iva.simulate(**arguments(of_study(study)), measures=["impacts"])
     assert run.summary["outcome"].item() == "finished"
 

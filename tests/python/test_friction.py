@@ -334,7 +334,6 @@ def test_errors_and_gradients_know_the_friction_at_rest() -> None:
             ),
             r"absorber.static_friction = 0.1: give friction too",
         ),
-        (lambda: iva.explore(iva.simulate(siva(), PRIMARY, start=START, periods=1)), "friction"),
     ],
 )
 def test_what_friction_does_not_go_with(call: Any, told: str) -> None:

@@ -304,8 +304,6 @@ def test_the_bob_moves_along_the_line_in_tables_and_pictures() -> None:
     assert np.abs(split.total - split.total[0]).max() < 1e-8 * split.total[0]
     with pytest.raises(ValueError, match="rises"):
         iva.plots.animation(run)
-    with pytest.raises(ValueError, match="inclination"):
-        iva.explore(run)
 
 
 def test_gradients_by_the_inclination_are_those_of_differences() -> None:

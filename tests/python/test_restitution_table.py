@@ -292,12 +292,10 @@ def test_nothing_else_of_the_restitution_stands_beside_it(name: str) -> None:
 
 
 def test_what_takes_no_law_takes_no_table() -> None:
-    """Theories, the explorer and an axis."""
+    """Theories and an axis."""
     table = siva(restitution_table=POINTS)
     with pytest.raises(ValueError, match="= a table of 3 points: the theory is of one mass"):
         iva.theory.masri_caughey(table, PRIMARY, iva.Harmonic(amplitude=0.1, frequency=1.0))
-    with pytest.raises(ValueError, match="the explorer takes none; give a number"):
-        iva.explore(run(table))
     with pytest.raises(ValueError, match="`restitution_table`: no such field"):
         iva.sweep(table, PRIMARY, over={"restitution_table": [0.5]}, start=START, periods=3)
 

@@ -545,8 +545,6 @@ def test_what_a_structure_does_not_take(absorber: Any, more: dict[str, Any], tol
 def test_what_is_of_one_mode_refuses_several(tmp_path: Path) -> None:
     run = iva.simulate(SIVA, frame(), start=START, periods=2)
     with pytest.raises(ValueError, match="structure with several modes"):
-        iva.explore(run)
-    with pytest.raises(ValueError, match="structure with several modes"):
         iva.plots.energy(run)
     force = iva.Harmonic(force=100.0, frequency=7.0)
     with pytest.raises(TypeError, match=r"give an iva\.Primary"):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import re
 import lzma
+import re
 from base64 import b85encode
 from functools import cache
 from importlib.resources import files

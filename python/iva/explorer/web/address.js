@@ -1,5 +1,6 @@
 // The scene in the address: after the #, a short key and a number for every value.
 
+import { Engine } from "./engine.js";
 import { kindsOf, plain } from "./slots.js";
 
 const KEYS = {
@@ -28,7 +29,7 @@ const CHOICES = {
 
 /** The number before a name, with its point, and the name. */
 function split(key) {
-  const [, number = "", name] = /^(\d+\.)?(.*)$/.exec(key);
+  const [, number = "", name] = /^(\d{1,2}\.)?(.*)$/.exec(key);
   return [number, name];
 }
 
@@ -54,7 +55,7 @@ export function fromAddress(text, fields) {
     const [key, word = ""] = part.split("=");
     const [number, name] = split(key);
     const path = paths.get(name);
-    if (CHOICES[name]?.includes(word)) scene.choices[key] = word;
+    if (Object.hasOwn(CHOICES, name) && CHOICES[name].includes(word)) scene.choices[key] = word;
     else if (path && word && Number.isFinite(Number(word))) scene.values[path.replace(".", `.${number}`)] = Number(word);
     else if (key === "fixed") {
       try {
@@ -64,5 +65,13 @@ export function fromAddress(text, fields) {
       }
     }
   }
-  return kindsOf(scene.choices).length ? scene : null;
+  const kinds = [...kindsOf(scene.choices)];
+  if (!kinds.length || kinds.includes(undefined)) return null;
+  try {
+    // What is fixed in it may be anything.
+    Engine.lines(scene);
+    return scene;
+  } catch {
+    return null;
+  }
 }

@@ -162,29 +162,45 @@ export class Controls {
       // In a list an absorber has its start with it.
       && (slot.part === part || (part === "absorber" && number !== undefined && slot.part === "start"))
       && (part !== "force" || EXCITATIONS[sort].groups.includes(plain(slot.key)))
-      && !(part === "primary" && explorer.fixed.structure)
+      && !(slot.part === "primary" && explorer.fixed.structure)
       && !(slot.key === "primary.mass" && explorer.units !== "si"));
     const rows = slots.map((slot) => new Row(explorer, slot));
     this.rows.push(...rows);
     const free = number === undefined;
     const extra = part === "force" && free && sort !== "record" ? [excitationChoice(explorer, sort)]
       : part === "absorber" && free ? [gravityChoice(explorer)] : [];
-    if (!rows.length && (part !== "force" || !extra.length)) return null;
+    const given = fixedOf(explorer.fixed, part, number ?? 0);
+    if (!rows.length && !given && (part !== "force" || !extra.length)) return null;
     // Without dimensions a frequency is not given: to give one makes times seconds.
     const usual = (slot) => isUsual(slot) && !(slot.key === "primary.frequency" && explorer.units === "natural")
       && !(plain(slot.key) === "absorber.inclination" && !isRising(explorer.values));
     // What makes a scene of another kind stands open where it is given.
-    const given = (slot) => OPENED.includes(plain(slot.key)) && slot.fields.some(({ path }) => explorer.values[path] !== undefined);
-    const stands = ({ slot }) => usual(slot) || given(slot);
+    const isGiven = (slot) => OPENED.includes(plain(slot.key)) && slot.fields.some(({ path }) => explorer.values[path] !== undefined);
+    const stands = ({ slot }) => usual(slot) || isGiven(slot);
     const order = (a, b) => Number(isUsual(b.slot)) - Number(isUsual(a.slot));
     const open = rows.filter(stands).sort(order);
     const others = rows.filter((row) => !open.includes(row));
     const more = make("details", {
       open: this.open.has(title), ontoggle: () => this.open[more.open ? "add" : "delete"](title),
     }, make("summary", {}, `More of ${title.toLowerCase()}`), ...others.map((row) => row.element));
-    return make("fieldset", { class: `part part-${part}` }, make("legend", {}, title), ...extra,
+    return make("fieldset", { class: `part part-${part}` }, make("legend", {}, title), ...extra, given,
       ...open.map((row) => row.element), others.length ? more : null);
   }
+}
+
+/** What no slider changes, as a list: the entries of a structure with modes, a table of the restitution, a record. */
+function fixedOf({ structure, tables, records }, part, number) {
+  const record = records?.[number];
+  const entries = {
+    primary: structure, absorber: tables?.[number] && { "speed, restitution": tables[number] },
+    force: record && { kind: record.kind, points: `${record.times.length} from ${shown(record.times[0])} to ${shown(record.times.at(-1))}` },
+  }[part];
+  if (!entries) return null;
+  const text = (value) => (Array.isArray(value) ? value.map(text).join(Array.isArray(value[0]) ? "; " : ", ")
+    : typeof value === "object" ? Object.entries(value).map(([name, own]) => `${name}: ${text(own)}`).join("; ")
+      : typeof value === "number" ? shown(value) : value);
+  return make("dl", { class: "fixed" }, ...Object.entries(entries).flatMap(([name, value]) => [
+    make("dt", {}, name.replace("_hz", " (Hz)").replaceAll("_", " ")), make("dd", {}, text(value))]));
 }
 
 /** Slots that stand open where they are given. */

@@ -7,7 +7,7 @@ import { lights, stateAt } from "./motion.js";
 const WINDINGS = 8;
 
 /** Sizes of the drawing, in lengths of the scene: what must have room decides them. */
-function sizesOf({ at, clearance, offset, arm, lever, kind }, { modal, run }) {
+function sizesOf({ at, path, has, clearance, offset, arm, lever, kind }, { modal, run }) {
   const [low, high] = extent(at.displacement, ...(modal?.points ?? []).map((point) => run.points[point]));
   const moved = Math.max(-low, high);
   // A structure that never moves is drawn beside its gap.
@@ -17,7 +17,9 @@ function sizesOf({ at, clearance, offset, arm, lever, kind }, { modal, run }) {
   const shownGap = Math.min(d, 6 * largest + Math.abs(offset));
   const radius = kind === "piva" ? Math.min(0.3 * shownGap, 0.07 * arm) : Math.max(0.22 * shownGap, 0.08 * largest);
   const thick = 0.35 * Math.max(radius, 0.1 * largest);
-  const half = shownGap + radius + thick;
+  // Where a wall is missing the floor is as long as the way of the absorber.
+  const way = kind === "siva" && !(has[1] && has[-1]) ? extent(path.gap_displacement).map((end) => Math.abs(end - offset)) : [];
+  const half = Math.max(shownGap, ...way) + radius + thick;
   const spring = 1.7 * largest + 0.5 * half;
   return {
     largest, radius, thick, half, inside: shownGap + radius, anchor: -half - spring, arm, lever,
@@ -31,10 +33,12 @@ function scaleOf(plot, one, data, frozen) {
   if (frozen) return { ...frozen, ...sizes, left: frozen.left, anchor: frozen.anchor };
   const wide = plot.width / (sizes.right - sizes.left);
   const tall = one.kind === "piva" ? (plot.height - 46) / (1.1 * sizes.arm * Math.max(1, sizes.lever)) : Infinity;
-  const scale = Math.min(wide, tall);
+  // A pendulum that is long beside its gap is drawn shorter than it is: else there would be nothing of the gap to be seen.
+  const scale = tall < 0.3 * wide ? wide : Math.min(wide, tall);
+  const down = Math.min(scale, tall);
   const rest = (plot.width - scale * (sizes.right - sizes.left)) / 2;
   const middle = one.kind === "piva" ? 26 : (plot.height - 16) / 2;
-  return { ...sizes, scale, middle, zero: rest - scale * sizes.left };
+  return { ...sizes, scale, down, middle, zero: rest - scale * sizes.left };
 }
 
 function spring(c, from, to, height, swing) {
@@ -82,7 +86,11 @@ export class Drawing {
     this.view = new View({
       name: number ? `drawing_${number}` : "drawing",
       title: "Structure and absorber, to scale",
-      draw: (plot, data) => { this.place = scaleOf(plot, this.one, data, this.frozen); },
+      draw: (plot, data) => {
+        const place = scaleOf(plot, this.one, data, this.frozen);
+        this.place = place;
+        this.view.heading.textContent = `Structure and absorber${this.one.label}, ${place.down < place.scale ? "widths " : ""}to scale`;
+      },
       move: (plot, data, instant) => this.paint(plot, data, instant),
       columns: () => this.one.impacts,
       describe: () => ({
@@ -231,7 +239,7 @@ export class Drawing {
         c.fillStyle = mixed(colours, wall, Math.max(0.25, light[wall]));
         c.fillRect(walls[wall], bottom - 2.2 * scale * radius, Math.max(4, thick * scale), 2.2 * scale * radius);
       }
-      if (one.tied) spring(c, px(x - inside), px(x + y - one.offset - radius), middle, Math.min(7, 0.4 * scale * radius));
+      if (one.tied) spring(c, one.has[-1] ? px(x - inside) : side, px(x + y - one.offset - radius), middle, Math.min(7, 0.4 * scale * radius));
       c.fillStyle = colours.absorber;
       c.beginPath();
       c.arc(px(x + y - one.offset), middle, scale * radius, 0, 2 * Math.PI);
@@ -293,15 +301,15 @@ export class Drawing {
   }
 
   drawPendulum(c, one, { x, y, angle, light, walls, middle, colours, px }) {
-    const { scale, thick, radius, arm, lever } = this.place;
+    const { scale, down, thick, radius, arm, lever } = this.place;
     const turned = Number.isNaN(angle) ? Math.asin(clamp(y / arm, -1, 1)) : angle;
     const length = arm * lever;
     c.fillStyle = colours.body;
     const beam = Math.max(6, scale * thick);
     c.fillRect(walls[-1], middle - beam / 2, walls[1] - walls[-1] + Math.max(4, scale * thick), beam);
     if (one.clearance < arm) {
-      const depth = scale * arm * Math.sqrt(1 - (one.clearance / arm) ** 2);
-      const size = Math.max(2.4 * radius * scale, 0.08 * arm * scale);
+      const depth = down * arm * Math.sqrt(1 - (one.clearance / arm) ** 2);
+      const size = Math.min(depth, Math.max(2.4 * radius * scale, 0.08 * arm * scale));
       for (const wall of [1, -1]) {
         if (!one.has[wall]) continue;
         c.fillStyle = colours.body;
@@ -314,14 +322,14 @@ export class Drawing {
     c.lineWidth = 2;
     c.beginPath();
     c.moveTo(px(x), middle);
-    const longest = Math.max(arm, length) * scale;
-    c.lineTo(px(x) + longest * Math.sin(turned), middle + longest * Math.cos(turned));
+    const longest = Math.max(arm, length);
+    c.lineTo(px(x) + scale * longest * Math.sin(turned), middle + down * longest * Math.cos(turned));
     c.stroke();
+    this.bob = [px(x) + scale * length * Math.sin(turned), middle + down * length * Math.cos(turned)];
     c.fillStyle = colours.absorber;
     c.beginPath();
-    c.arc(px(x) + scale * length * Math.sin(turned), middle + scale * length * Math.cos(turned), Math.max(4, scale * radius), 0, 2 * Math.PI);
+    c.arc(...this.bob, Math.max(4, scale * radius), 0, 2 * Math.PI);
     c.fill();
-    this.bob = [px(x) + scale * length * Math.sin(turned), middle + scale * length * Math.cos(turned)];
   }
 
   /** Marks rest and release below, so that one sees from where the structure was let go. */
@@ -367,7 +375,7 @@ export class Drawing {
     const size = Math.max(24, 2 * radius);
     const wide = Math.max(22, thick + 8);
     const down = pendulum && one.clearance < this.place.arm
-      ? middle + this.place.scale * this.place.arm * Math.sqrt(1 - (one.clearance / this.place.arm) ** 2) : middle;
+      ? middle + this.place.down * this.place.arm * Math.sqrt(1 - (one.clearance / this.place.arm) ** 2) : middle;
     const tall = pendulum ? 48 : Math.max(40, 2.4 * radius);
     put("body", px(x - half), pendulum ? middle - 14 : middle - high, 2 * half * this.place.scale, pendulum ? 28 : 2 * high + 14, x0, said(x0));
     put("minus", walls[-1] + thick / 2 - wide / 2, down - tall / 2, wide, tall, one.clearance, said(one.clearance));

@@ -256,7 +256,6 @@ class Page {
     this.kind.hidden = state.kinds.length > 1;
     this.units.disabled = Object.keys(state.fixed).length > 0;
     for (const [place, { label }] of this.data.absorbers.entries()) {
-      this.drawings[place].view.heading.textContent = `Structure and absorber${label}, to scale`;
       this.gaps[place].heading.textContent = `Absorber${label} in its gap y(t)`;
     }
     this.displacement.heading.textContent = `Structure x(t)${this.data.modal ? ` at ${this.data.modal.seen}` : ""}`;

@@ -95,7 +95,7 @@ export class Plot {
     }
     c.textAlign = "right";
     c.textBaseline = "middle";
-    for (const [tick, value] of ticksOf(y0, y1, (box.bottom - box.top) / 36, log.y)) {
+    for (const [tick, value] of ticksOf(y0, y1, (box.bottom - box.top) / 30, log.y)) {
       this.stroke([[box.left - 4, this.y(tick)], [box.left, this.y(tick)]]);
       c.fillText(shown(value), box.left - 6, this.y(tick));
     }

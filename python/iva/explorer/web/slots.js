@@ -43,6 +43,10 @@ const WORDS = {
   "force.relative_frequency": ["Relative frequency", "Ω/ωₙ"],
   "force.frequency_hz": ["Frequency of the force", "f"],
   "force.phase": ["Phase", "φ"],
+  "force.velocity": ["Impulse over mass", "P/M"],
+  "force.impulse": ["Impulse", "P"],
+  "force.time": ["Instant of the impulse", "t"],
+  "force.scale": ["Scale of the record", ""],
   "start.displacement": ["Release displacement", "x₀"],
   "start.displacement_mm": ["Release displacement", "x₀"],
   "start.velocity": ["Velocity", "ẋ₀"],
@@ -84,7 +88,7 @@ export function fieldsOf(fields, absorbers, forces) {
 const USUAL = [
   "absorber.mass", "absorber.clearance", "absorber.restitution", "absorber.frequency",
   "absorber.length", "primary.damping", "primary.frequency", "primary.mass",
-  "start.displacement", "run.duration", "force.amplitude", "force.frequency", "absorber.inclination",
+  "start.displacement", "run.duration", "force.amplitude", "force.frequency", "force.impulse", "force.time", "force.scale", "absorber.inclination",
 ];
 
 /** Ends of a slider where the size of the quantity is known: low, high, and if it runs by factors. */

@@ -39,9 +39,9 @@ export function lengthIn(values) {
   return ["run.periods", "run.duration", "run.cycles"].find((name) => values[name] !== undefined);
 }
 
-/** Samples a period for a run of so many periods. */
-function samplesOf(periods) {
-  return Math.round(clamp(SAMPLES / (periods > 0 ? periods : 20), 24, 240));
+/** Samples a period for a run of so many periods; of several absorbers each has them. */
+function samplesOf(periods, absorbers) {
+  return Math.round(clamp(SAMPLES / (periods > 0 ? periods : 20) / Math.max(1, absorbers), 24, 240));
 }
 
 export class Explorer {
@@ -138,7 +138,7 @@ export class Explorer {
       const sentence = `${path} = ${values[path]}: this page runs at most ${MOST_PERIODS} periods; the package runs more`;
       return { field: path, sentence };
     }
-    const samples = samplesOf(periods);
+    const samples = samplesOf(periods, absorbers.length);
     const run = this.engine.run(samples);
     if (run.error) return run.error;
     Object.assign(this, { choices, values, fixed, units, natural, absorbers, run, samples });
