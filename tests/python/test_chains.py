@@ -231,12 +231,6 @@ def test_a_stop_beside_an_absorber_on_modes() -> None:
             ),
             ["start.displacement", "0.5"],
         ),
-        (
-            lambda: iva.explore(
-                iva.Stop(clearance=0.5, restitution=0.5), iva.Primary(), start=iva.Start()
-            ),
-            ["stop"],
-        ),
     ],
 )
 def test_a_sentence_says_what_is_wrong(make: object, words: list[str]) -> None:

@@ -150,8 +150,7 @@ def explore(
     TypeError
         If an argument is of the wrong type, or parts are given beside a run.
     ValueError
-        If the scene has something that the page does not show: a stop on the ground, or a
-        tolerance.
+        If the scene has a tolerance: the page shows the exact motion.
 
     Examples
     --------

@@ -45,7 +45,7 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     Raises
     ------
     ValueError
-        If it has a stop on the ground or a tolerance.
+        If it has a tolerance.
     """
     if spec.get("run.tolerance"):
         rule = "the explorer shows the exact motion; leave it out"
@@ -53,8 +53,6 @@ def explored(spec: Mapping[str, Any]) -> Explored:
     scene: Explored = {"choices": {}, "values": {}, "fixed": {}}
     for path, value in spec.items():
         _, _, name = path.partition(".")
-        if value == "stop" and name.endswith("kind"):
-            raise ValueError(f'{path} = "stop": the explorer shows an absorber; give one')
         if path == "structure":
             scene["fixed"]["structure"] = dict(value)
         elif name.endswith(TABLE):
@@ -65,12 +63,12 @@ def explored(spec: Mapping[str, Any]) -> Explored:
         elif path != "forces":
             scene["values"][path] = float(value)
     forces = list(spec.get("forces", ()))
-    for number, force in enumerate(forces):
-        prefix = f"force.{number}." if len(forces) > 1 else "force."
+    for place, force in enumerate(forces):
+        prefix = f"force.{place}." if len(forces) > 1 else "force."
         given = {name: value for name, value in force.items() if value is not None}
         if (record := given.pop("record", None)) is not None:
             all_ = {name: getattr(record, name) for name in ("kind", "times", "values")}
-            scene["fixed"].setdefault("records", {})[str(number)] = all_
+            scene["fixed"].setdefault("records", {})[str(place)] = all_
         scene["values"] |= {f"{prefix}{name}": float(value) for name, value in given.items()}
     return scene
 

@@ -21,7 +21,7 @@ const KEYS = {
 
 /** What choices there may be; anything else in an address is ignored. */
 const CHOICES = {
-  kind: ["siva", "piva", "none"],
+  kind: ["siva", "piva", "stop", "none"],
   angles: ["large", "small"],
   impact_law: ["consistent", "printed"],
   walls: ["both", "plus", "minus"],

@@ -21,6 +21,11 @@ function sizesOf({ at, path, has, clearance, offset, arm, lever, kind }, { modal
   const way = kind === "siva" && !(has[1] && has[-1]) ? extent(path.gap_displacement).map((end) => Math.abs(end - offset)) : [];
   const half = Math.max(shownGap, ...way) + radius + thick;
   const spring = 1.7 * largest + 0.5 * half;
+  if (kind === "stop") {
+    // The structure is a box that meets walls which stand on the ground.
+    const [box, far] = [0.3 * largest, 0.3 * largest + Math.max(largest, Math.min(clearance, 3 * largest) + Math.abs(offset) + thick)];
+    return { largest, radius: box, thick, half: box, inside: box + clearance, anchor: -far - spring, left: -far - spring - 0.1 * box, right: far + 0.3 * box };
+  }
   return {
     largest, radius, thick, half, inside: shownGap + radius, anchor: -half - spring, arm, lever,
     left: -half - spring - 0.12 * half, right: half + largest + 0.12 * half,
@@ -96,6 +101,7 @@ export class Drawing {
       describe: () => ({
         siva: "A structure on spring and damper, a free mass between its two walls",
         piva: "A structure on spring and damper, a pendulum between its two stops",
+        stop: "A structure on spring and damper, between stops on the ground",
         none: "A structure on spring and damper",
       })[this.one.kind],
     });
@@ -225,10 +231,17 @@ export class Drawing {
       spring(c, ground, side, middle - 0.4 * high, Math.min(7, 0.3 * high));
       damper(c, ground, side, middle + 0.4 * high, Math.min(7, 0.3 * high));
     }
-    const walls = { "-1": px(x - inside - thick), 1: px(x + inside) };
-    if (one.kind === "none") {
+    // Stops stand on the ground, walls on the structure.
+    const from = one.kind === "stop" ? one.offset : x;
+    const walls = { "-1": px(from - inside - thick), 1: px(from + inside) };
+    if (one.kind === "none" || one.kind === "stop") {
       c.fillStyle = colours.body;
       c.fillRect(side, middle - high, 2 * half * scale, 2 * high);
+      for (const wall of [1, -1]) {
+        if (!one.has[wall]) continue;
+        c.fillStyle = mixed(colours, wall, Math.max(0.25, light[wall]));
+        c.fillRect(walls[wall], middle - high, Math.max(4, thick * scale), 2 * high);
+      }
     } else if (one.kind === "siva") {
       const bottom = middle + scale * radius;
       const floor = Math.max(5, 0.3 * scale * radius);
@@ -353,7 +366,7 @@ export class Drawing {
   placeHandles(data, { x, y, middle, high, walls, radius, thick, half, px }) {
     const { one } = this;
     // What a structure with modes has at time zero is given for all of its points.
-    const has = { body: !data.modal, minus: one.has[-1], plus: one.has[1], absorber: one.kind !== "none" };
+    const has = { body: !data.modal, minus: one.has[-1], plus: one.has[1], absorber: ["siva", "piva"].includes(one.kind) };
     const put = (name, left, top, width, height, value, text) => {
       const { style } = this.handles[name];
       style.display = has[name] ? "" : "none";

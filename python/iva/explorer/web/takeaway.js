@@ -61,7 +61,7 @@ export function asPython(scene) {
   const among = (all) => (all.length > 1 ? `[${all.join(", ")}]` : all[0]);
   const { structure = null } = scene.fixed;
   const entries = (all) => Object.entries(all).map(([name, value]) => [name, entry(value, ":")]);
-  const absorber = ({ kind, words, fields, table }) => (kind === "none" ? "None" : call(kind === "piva" ? "Piva" : "Siva",
+  const absorber = ({ kind, words, fields, table }) => (kind === "none" ? "None" : call({ siva: "Siva", piva: "Piva", stop: "Stop" }[kind],
     [...words, ...fields, ...(table ? [["restitution_table", entry(table, ":")]] : [])]));
   const force = ({ record, fields }) => (record
     ? call("Recorded", [["times", entry(record.times)], ["values", entry(record.values)], ["kind", `"${record.kind}"`], ...fields])
