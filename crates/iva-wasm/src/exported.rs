@@ -71,9 +71,7 @@ pub extern "C" fn iva_describe() {
 /// Checks the scene that was given, and answers with its units, its natural frequency and its absorbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn iva_check() {
-    answer(|given| {
-        Ok((checked(&Scene::read(given)?.spec)?, Columns::new()))
-    });
+    answer(|given| Ok((checked(&Scene::read(given)?.spec)?, Columns::new())));
 }
 
 /// Runs the scene that was given, and answers with its tables; `errors` ≠ 0: with the estimated errors of its impact times.

@@ -39,8 +39,9 @@ impl Scene {
                     if name == "kind" || absorbers.is_empty() {
                         absorbers.push(Choices::default());
                     }
-                    let last = absorbers.last_mut().into_iter();
-                    last.map(|it| it.choose(name, word)).collect::<Result<(), _>>()?;
+                    if let Some(last) = absorbers.last_mut() {
+                        last.choose(name, word)?;
+                    }
                 }
                 ["entry", name, form, ref values @ ..] => add(&mut entries, name, form, values)?,
                 _ => {}
@@ -85,24 +86,21 @@ fn add(
     values: &[&str],
 ) -> Result<(), Invalid> {
     let texts = || values.iter().map(|text| decoded(text));
-    let begun = entries.iter_mut().find(|(known, _)| known == name).map(|(_, entry)| entry);
-    let entry = match (form, values, begun) {
-        ("row", _, Some(Entry::Rows(rows))) => return Ok(rows.push(numbers(values)?)),
-        ("row", _, _) => Entry::Rows(vec![numbers(values)?]),
-        ("named", [point, own @ ..], begun) => {
-            let own = (decoded(point), numbers(own)?);
-            match begun {
-                Some(Entry::Named(all)) => return Ok(all.push(own)),
-                _ => Entry::Named(vec![own]),
-            }
-        }
-        ("mode", [mode], _) => Entry::Mode(mode.parse().unwrap_or(0)),
-        ("name", [_], _) => Entry::Name(texts().collect()),
-        ("names", ..) => Entry::Names(texts().collect()),
-        ("numbers", ..) => Entry::Numbers(numbers(values)?),
+    let entry = match (form, values) {
+        ("row", _) => Entry::Rows(vec![numbers(values)?]),
+        ("named", [point, own @ ..]) => Entry::Named(vec![(decoded(point), numbers(own)?)]),
+        ("mode", [mode]) => Entry::Mode(mode.parse().unwrap_or(0)),
+        ("name", [_]) => Entry::Name(texts().collect()),
+        ("names", _) => Entry::Names(texts().collect()),
+        ("numbers", _) => Entry::Numbers(numbers(values)?),
         _ => return Err(Invalid::new("entry", format!("{name} {form}"), "no such form")),
     };
-    entries.push((name.to_owned(), entry));
+    let begun = entries.iter_mut().find(|(known, _)| known == name).map(|(_, entry)| entry);
+    match (begun, entry) {
+        (Some(Entry::Rows(rows)), Entry::Rows(more)) => rows.extend(more),
+        (Some(Entry::Named(all)), Entry::Named(more)) => all.extend(more),
+        (_, entry) => entries.push((name.to_owned(), entry)),
+    }
     Ok(())
 }
 

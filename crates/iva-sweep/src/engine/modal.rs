@@ -104,7 +104,8 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> bool {
                 Kind::None => false,
             }
     };
-    ties::given(given).is_some() || (0..given.spec.count()).any(|absorber| needs(given.of(absorber)))
+    ties::given(given).is_some()
+        || (0..given.spec.count()).any(|absorber| needs(given.of(absorber)))
 }
 
 /// The scene of all absorbers of a list, or of none, on a structure that moves as one.

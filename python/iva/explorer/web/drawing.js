@@ -94,7 +94,7 @@ export class Drawing {
       draw: (plot, data) => {
         const place = scaleOf(plot, this.one, data, this.frozen);
         this.place = place;
-        this.view.heading.textContent = `Structure and absorber${this.one.label}, ${place.down < place.scale ? "widths " : ""}to scale`;
+        this.view.heading.textContent = `Structure and ${this.one.kind === "stop" ? "stops" : "absorber"}${this.one.label}, ${place.down < place.scale ? "widths " : ""}to scale`;
       },
       move: (plot, data, instant) => this.paint(plot, data, instant),
       columns: () => this.one.impacts,

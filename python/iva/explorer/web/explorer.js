@@ -8,7 +8,7 @@ import { ScanMap } from "./map.js";
 import { Engine } from "./engine.js";
 import { clamp, make, shown, withUnit } from "./format.js";
 import { MeasureTable } from "./measures.js";
-import { absorbersOf, isForced, modalOf, rowsOf } from "./motion.js";
+import { absorbersOf, isForced, modalOf } from "./motion.js";
 import { energyView, phaseView } from "./planes.js";
 import { coloursOf } from "./plot.js";
 import { DEFAULT_SCENE, Explorer, limited } from "./state.js";
@@ -213,11 +213,12 @@ class Page {
     const { scene, units, samples, setting, absorbers: { length: count } } = state;
     const period = TAU / setting.natural;
     const run = { ...state.run, trajectory: { ...state.run.trajectory, energy: state.run.energies.total } };
-    const path = rowsOf(run.trajectory, 0, count);
+    const absorbers = absorbersOf(state, run);
+    const [{ path }] = absorbers;
     const [x0] = path.displacement;
     return {
       run, path, scene, setting, units, period, samples, x0, count, kind: scene.choices.kind,
-      absorbers: absorbersOf(state, run), modal: modalOf(state), alone: this.alone(samples),
+      absorbers, modal: modalOf(state), alone: this.alone(samples),
       reference: Math.abs(x0) || run.envelope.amplitude?.[0] || Math.abs(run.envelope.displacement[0]) || 0,
       forced: isForced(scene), showAlone: this.showAlone, drawn: (quantity) => drawnIn(quantity, units),
     };
@@ -255,8 +256,8 @@ class Page {
     this.root.classList.toggle("modal", this.data.modal !== null);
     this.kind.hidden = state.kinds.length > 1;
     this.units.disabled = Object.keys(state.fixed).length > 0;
-    for (const [place, { label }] of this.data.absorbers.entries()) {
-      this.gaps[place].heading.textContent = `Absorber${label} in its gap y(t)`;
+    for (const [place, { label, kind }] of this.data.absorbers.entries()) {
+      this.gaps[place].heading.textContent = kind === "stop" ? `Point${label} between stops y(t)` : `Absorber${label} in its gap y(t)`;
     }
     this.displacement.heading.textContent = `Structure x(t)${this.data.modal ? ` at ${this.data.modal.seen}` : ""}`;
     this.say([...state.pending.values()].length ? "A value cannot be run: the pictures show the last scene that can."

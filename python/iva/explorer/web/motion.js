@@ -30,8 +30,14 @@ function between(times, values, slopes, index, instant) {
 /** The rows of a table that are of one absorber of several. */
 export function rowsOf(table, number, count) {
   if (!table || count < 2) return table;
-  const kept = [...table.absorber.keys()].filter((row) => table.absorber[row] === number);
-  return Object.fromEntries(Object.entries(table).map(([name, values]) => [name, Float64Array.from(kept, (row) => values[row])]));
+  const kept = [];
+  for (let row = 0; row < table.absorber.length; row += 1) if (table.absorber[row] === number) kept.push(row);
+  const of = (values) => {
+    const own = new Float64Array(kept.length);
+    for (let index = 0; index < own.length; index += 1) own[index] = values[kept[index]];
+    return own;
+  };
+  return Object.fromEntries(Object.entries(table).map(([name, values]) => [name, of(values)]));
 }
 
 /** The motion of a point of a structure with modes; that which the run sees of one without. */
