@@ -6,6 +6,7 @@ use iva_sweep::Invalid;
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
 use iva_sweep::design::Spec;
+use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded, Selection};
 use iva_sweep::slot::Slot;
 use iva_sweep::structure::{Entry, Structure};
@@ -57,6 +58,11 @@ impl Scene {
                 [""] | ["choose" | "entry", ..] => {}
                 ["set", path, value] => {
                     scene.spec.set(Slot::from_key(path)?, number(path, value)?)?
+                }
+                ["starts", name, ref values @ ..] => {
+                    let field = FieldId::find(Part::Start, name);
+                    let field = field.ok_or_else(|| Invalid::new("start", name, "no such field"))?;
+                    scene.spec.set_starts(field, &numbers(values)?)?;
                 }
                 ["force"] => scene.spec.add_force(ForceSpec::new(None)),
                 ["record", kind, ref values @ ..] => {

@@ -15,8 +15,9 @@ class Explored(TypedDict):
     """A scene: choices by name, values by path, and what no slider changes.
 
     In a list of absorbers the names of choices have a number, ``"1.kind"``. What is fixed is under
-    ``"structure"`` the entries of a structure with several modes, under ``"tables"`` tables of the
-    restitution by the number of their absorber, and under ``"records"`` recorded forces by theirs.
+    ``"structure"`` the entries of a structure with several modes, under ``"starts"`` lists of the
+    start with a number for each unit, under ``"tables"`` tables of the restitution by the number of
+    their absorber, and under ``"records"`` recorded forces by theirs.
     """
 
     choices: dict[str, str]
@@ -51,6 +52,7 @@ def explored(spec: Mapping[str, Any]) -> Explored:
         rule = "the explorer shows the exact motion; leave it out"
         raise ValueError(f"run.tolerance = {spec['run.tolerance']:g}: {rule}")
     scene: Explored = {"choices": {}, "values": {}, "fixed": {}}
+    count = sum(path.endswith(".kind") for path in spec)
     for path, value in spec.items():
         _, _, name = path.partition(".")
         if path == "structure":
@@ -60,6 +62,12 @@ def explored(spec: Mapping[str, Any]) -> Explored:
             scene["fixed"].setdefault("tables", {})[number] = [list(point) for point in value]
         elif isinstance(value, str):
             scene["choices"][name] = value
+        elif isinstance(value, (list, tuple)) and len(value) != count:
+            scene["fixed"].setdefault("starts", {})[name] = list(value)
+        elif isinstance(value, (list, tuple)):
+            own = (f"{place}." if count > 1 else "" for place in range(count))
+            pairs = zip(own, value, strict=True)
+            scene["values"] |= {f"start.{place}{name}": float(one) for place, one in pairs}
         elif path != "forces":
             scene["values"][path] = float(value)
     forces = list(spec.get("forces", ()))
@@ -82,7 +90,10 @@ def parts(scene: Explored) -> dict[str, Any]:
         spec[f"absorber.{number}.{TABLE}" if several else f"absorber.{TABLE}"] = points
     if "structure" in fixed:
         spec["structure"] = fixed["structure"]
+    for name, numbers in fixed.get("starts", {}).items():
+        spec[f"start.{name}"] = tuple(numbers)
     forces: dict[int, dict[str, Any]] = {}
+    starts: dict[str, dict[int, float]] = {}
     for number, record in fixed.get("records", {}).items():
         made = _iva.Record(record["times"], record["values"], record["kind"])
         forces[int(number)] = {"record": made}
@@ -91,8 +102,14 @@ def parts(scene: Explored) -> dict[str, Any]:
         if part == "force":
             number, dot, field = name.rpartition(".")
             forces.setdefault(int(number) if dot else 0, {})[field] = value
+        elif part == "start" and "." in name:
+            number, _, field = name.partition(".")
+            starts.setdefault(field, {})[int(number)] = value
         else:
             spec[path] = value
+    count = sum(path.endswith(".kind") for path in spec)
+    for name, own in starts.items():
+        spec[f"start.{name}"] = tuple(own.get(place, 0.0) for place in range(count))
     if forces:
         spec["forces"] = [forces[number] for number in sorted(forces)]
     return scenes.parts(spec)

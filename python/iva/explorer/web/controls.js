@@ -189,10 +189,10 @@ export class Controls {
 }
 
 /** What no slider changes, as a list: the entries of a structure with modes, a table of the restitution, a record. */
-function fixedOf({ structure, tables, records }, part, number) {
+function fixedOf({ structure, starts, tables, records }, part, number) {
   const record = records?.[number];
   const entries = {
-    primary: structure, absorber: tables?.[number] && { "speed, restitution": tables[number] },
+    primary: structure, start: starts, absorber: tables?.[number] && { "speed, restitution": tables[number] },
     force: record && { kind: record.kind, points: `${record.times.length} from ${shown(record.times[0])} to ${shown(record.times.at(-1))}` },
   }[part];
   if (!entries) return null;

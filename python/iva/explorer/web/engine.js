@@ -3,7 +3,7 @@
 /**
  * A scene is `{choices: {kind: "siva", …}, values: {"absorber.clearance": 0.5, …}, fixed: {…}}`: the words and numbers of a study
  * file by their paths, in the user's units. In a list of absorbers a choice has its number, `"1.kind"`. What is fixed is a
- * `structure` with several modes by its entries, `tables` of the restitution and `records` by the numbers of their absorbers and
+ * `structure` with several modes by its entries, `starts` with a number for each unit, `tables` of the restitution and `records` by the numbers of their absorbers and
  * forces.
  */
 export class Engine {
@@ -136,6 +136,7 @@ export class Engine {
     }
     for (const [absorber, points] of Object.entries(fixed.tables ?? {})) lines.push(`table ${absorber} ${points.flat().join(" ")}`);
     lines.push(...Object.entries(values).map(([path, value]) => `set ${path} ${value}`));
+    lines.push(...Object.entries(fixed.starts ?? {}).map(([name, numbers]) => `starts ${name} ${numbers.join(" ")}`));
     return lines.join("\n");
   }
 

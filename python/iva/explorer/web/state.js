@@ -112,7 +112,7 @@ export class Explorer {
     });
     const of = (name) => this.engine.description.choices.find((choice) => choice.name === name.replace(/^\d+\./, ""));
     const words = Object.entries(choices).filter(([name]) => of(name).kinds.includes(kinds[parseInt(name, 10) || 0]));
-    const { tables, ...others } = fixed;
+    const { tables, starts, ...others } = fixed;
     const bare = kinds.length === 1 && kinds[0] === "none";
     return { choices: Object.fromEntries(words), values: Object.fromEntries(kept), fixed: bare ? others : fixed };
   }

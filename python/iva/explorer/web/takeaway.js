@@ -50,7 +50,8 @@ function partsOf(scene) {
       begun[name][number] = text;
     }
   }
-  const start = [...fieldsIn(scene, "start"), ...Object.entries(begun).map(([name, all]) => [name, `[${all.join(", ")}]`])];
+  const ofUnits = Object.entries(scene.fixed.starts ?? {}).map(([name, all]) => [name, all.map((number) => literal(number))]);
+  const start = [...fieldsIn(scene, "start"), ...[...Object.entries(begun), ...ofUnits].map(([name, all]) => [name, `[${all.join(", ")}]`])];
   return { absorbers, forces, start, primary: fieldsIn(scene, "primary"), run: fieldsIn(scene, "run") };
 }
 
