@@ -18,7 +18,7 @@ export const DEFAULT_SCENE = {
 };
 
 /** Samples that a run has on the page; long runs have fewer a period. */
-const SAMPLES = 1800;
+const SAMPLES = 1200;
 
 /** What keeps a page alive: longer runs, and runs with more stretches of motion, are for the package. */
 const MOST_PERIODS = 1000;
