@@ -14,6 +14,8 @@ import iva
 from chromium import Chromium
 from iva.explorer.scenes import DEFAULT
 
+pytest_plugins = ["browsing"]
+
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> str:

@@ -128,12 +128,6 @@ def test_what_shows_one_refuses_several() -> None:
     for number in (2, -1, 0.5):
         with pytest.raises(ValueError, match="the run has 2, numbered from 0"):
             iva.plots.phase(run, relative=True, absorber=number)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match=r"give an iva\.Siva, an iva\.Piva, an iva\.Stop or None"):
-        iva.dynamics.lyapunov(
-            PAIR,  # type: ignore[arg-type]
-            PRIMARY,
-            force=iva.Harmonic(amplitude=0.1, frequency=1.0),
-        )
     units = iva.Siva(mass_ratio=0.1, clearance=0.6, restitution=0.5, units=2)
     with pytest.raises(ValueError, match="units"):
         slow_manifold(units, PRIMARY)

@@ -546,9 +546,6 @@ def test_what_is_of_one_mode_refuses_several(tmp_path: Path) -> None:
     run = iva.simulate(SIVA, frame(), start=START, periods=2)
     with pytest.raises(ValueError, match="structure with several modes"):
         iva.plots.energy(run)
-    force = iva.Harmonic(force=100.0, frequency=7.0)
-    with pytest.raises(TypeError, match=r"give an iva\.Primary"):
-        iva.dynamics.lyapunov(SIVA, frame(), force=force)  # type: ignore[arg-type]
     elsewhere = iva.simulate(SIVA, frame(seen_at="first"), start=START, periods=2)
     with pytest.raises(ValueError, match="give seen_at the point of all absorbers"):
         iva.plots.velocities(elsewhere)

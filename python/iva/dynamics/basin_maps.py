@@ -207,7 +207,8 @@ def basins(
     attractors : Attractors or sequence of Orbit, optional
         The attractors to tell apart, stable orbits of the same scene at the phase of the start;
         their labels are their indices. Of :class:`Attractors` the two orbits of a mirror pair have
-        a label each. Of several modes they are found from the cells only. By default those that up to 256 of the cells end in.
+        a label each. Of several modes they are found from the cells only. By default those that up
+        to 256 of the cells end in.
     most_cycles : int, default 150
         Most periods of the force that are run from each cell; what has come to no orbit by then is
         undecided, as is what ends in chaos or on a torus.

@@ -126,7 +126,7 @@ def lyapunov(
     discard: int = 500,
     seeds: int = 8,
     seed: int = 1,
-    box: Mapping[str, tuple[float, float]] | None = None,
+    box: Mapping[str, Range | Sequence[Range]] | None = None,
     progress: bool | Progress = False,
 ) -> Spectrum:
     """Compute the Lyapunov exponents of a steady state, with standard errors.
@@ -155,7 +155,8 @@ def lyapunov(
     box : mapping of str to pair of float, optional
         The range of displacement, velocity, gap_displacement and gap_velocity that starts are drawn
         from; of several absorbers a range of the gaps is that of all, and a list has one for each.
-        Of several modes displacement and velocity are those of the natural one. By default displacement and velocity of the structure up to those of its steady state
+        Of several modes displacement and velocity are those of the natural one. By default
+        displacement and velocity of the structure up to those of its steady state
         without absorber, the whole gap, and gap velocities up to the same velocity.
     progress : bool or callable, default False
         As in :func:`iva.sweep`; a point is a run.

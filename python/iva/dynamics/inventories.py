@@ -205,7 +205,7 @@ def attractors(
     seed: int = 1,
     most_periods: int = 16,
     most_cycles: int = 3000,
-    box: Mapping[str, tuple[float, float]] | None = None,
+    box: Mapping[str, Range | Sequence[Range]] | None = None,
     progress: bool | Progress = False,
 ) -> Attractors:
     """Find what the steady states of a scene are, and how likely each is, from many random starts.

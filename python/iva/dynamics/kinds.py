@@ -10,8 +10,9 @@ from iva.dynamics.diagrams import Diagram, diagram
 from iva.dynamics.exponents import Spectrum, lyapunov
 from iva.dynamics.inventories import attractors, binomial
 from iva.dynamics.orbits import Orbit
-from iva.forces import Harmonic
 from iva.dynamics.search import alone_or_all
+from iva.dynamics.starts import Range
+from iva.forces import Harmonic
 from iva.parameters import Absorbers, Primary
 from iva.scenes import absorbers
 from iva.spelling import spell_checked
@@ -82,7 +83,7 @@ def regimes(
     most_periods: int = 32,
     most_cycles: int = 3000,
     cycles: int = 5000,
-    box: Mapping[str, tuple[float, float]] | None = None,
+    box: Mapping[str, Range | Sequence[Range]] | None = None,
 ) -> tuple[Regime, ...]:
     """Tell which kinds of steady motion a scene has, and how likely each is.
 

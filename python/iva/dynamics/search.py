@@ -210,7 +210,7 @@ def start_of(start: object, absorber: object) -> Start:
 def alone_or_all(absorber: Absorbers) -> Absorbers:
     """Return an absorber that is alone in its list, or the list."""
     alone = isinstance(absorber, (list, tuple)) and len(absorber) == 1
-    return absorber[0] if alone else absorber  # type: ignore[index,return-value]
+    return absorber[0] if alone else absorber  # type: ignore[index]
 
 
 def several(absorber: object) -> bool:

@@ -12,6 +12,8 @@ import iva
 from chromium import Chromium
 from test_chromium import run_of_the_copied_program, values
 
+pytest_plugins = ["browsing"]
+
 TOWER = iva.Structure(
     frequencies_hz=[3.0, 11.0],
     damping_ratios=[0.01, 0.01],
