@@ -51,7 +51,7 @@
 //! | a linear force between a free mass and its point, such as that of a spring | `absorber/modal/ties.rs`: the numbers of a [`Tie`](absorber::modal::Tie), what it stores, takes and pulls, and how it enters stiffness and damping of the structure, of which the mass is a coordinate |
 //! | an event of a free mass beside impacts, such as a stop | a variant of [`segment::slide::Ends`] and of the endings in `engine/simulate/together.rs`; then every proof that nothing happens has to know it: `fast_path`, `clears` and `meets` of the motion, `coasts`, `others_wait` |
 //! | friction in the gap | the equations and the law at walls: `absorber/modal/friction.rs`, the ends of slides: `absorber/modal/slides.rs`; the event loop: `engine/simulate/slide.rs`; what friction has done in a run: [`simulate::Rubbed`], `energy_friction` of [`measures::MeasureValues`] |
-//! | a second absorber on one structure | [`absorber::modal`] has the list; one absorber is at hand in a state ([`Absorber::at_hand`](absorber::Absorber::at_hand)), and the event loop takes each in turn (`engine/simulate/together.rs`). Impacts and stick episodes tell the index of their absorber. Lanes and orbits know one absorber |
+//! | a second absorber on one structure | [`absorber::modal`] has the list; one absorber is at hand in a state ([`Absorber::at_hand`](absorber::Absorber::at_hand)), and the event loop takes each in turn (`engine/simulate/together.rs`). Impacts and stick episodes tell the index of their absorber. Lanes and branches know one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier

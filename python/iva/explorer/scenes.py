@@ -62,13 +62,15 @@ def explored(spec: Mapping[str, Any]) -> Explored:
             scene["fixed"].setdefault("tables", {})[number] = [list(point) for point in value]
         elif isinstance(value, str):
             scene["choices"][name] = value
+        elif path == "forces":
+            continue
         elif isinstance(value, (list, tuple)) and len(value) != count:
             scene["fixed"].setdefault("starts", {})[name] = list(value)
         elif isinstance(value, (list, tuple)):
             own = (f"{place}." if count > 1 else "" for place in range(count))
             pairs = zip(own, value, strict=True)
             scene["values"] |= {f"start.{place}{name}": float(one) for place, one in pairs}
-        elif path != "forces":
+        else:
             scene["values"][path] = float(value)
     forces = list(spec.get("forces", ()))
     for place, force in enumerate(forces):

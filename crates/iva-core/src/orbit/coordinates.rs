@@ -6,7 +6,7 @@ use nalgebra::{DVector, Vector4};
 use crate::absorber::modal::Modal;
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, ImpactLaw as _, OnStructure, Start, Wall};
+use crate::absorber::{Absorber, ImpactLaw as _, LawAt, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::{Derivative, Differentiable, Tangent, Tangents};
 use crate::number::real::Real;
@@ -258,10 +258,13 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<
     }
 
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
-        let first = self.law_of(0, Wall::Plus, 1.0);
-        let like = |k: usize| [Wall::Plus, Wall::Minus].map(|wall| self.law_of(k, wall, 1.0));
-        let alike = (1..self.count()).all(|k| like(k) == [first; 2]);
-        alike.then(|| log_volume(self, time, impacts))?
+        let law = |k: usize, wall: Wall| {
+            let LawAt { restitution, rebound, slope, .. } = self.law_of(k, wall, 1.0);
+            (restitution, slope == rebound)
+        };
+        let first = law(0, Wall::Plus);
+        let like = |k: usize| [Wall::Plus, Wall::Minus].map(|wall| law(k, wall)) == [first; 2];
+        (1..self.count()).all(like).then(|| log_volume(self, time, impacts))?
     }
 
     fn gaps(&self) -> Vec<(usize, usize)> {

@@ -8,7 +8,7 @@
 //!
 //! it comes nearer with each application, by V(Mz) = V(z) − |z − p|². Further off the map is not linear, and where an impact
 //! is missed it jumps. So the neighbourhood is an ellipsoid V < r² whose radius is tried: from points on it and within it
-//! the map has the impacts of the orbit and takes at least half of |z − p|² from V. That is a sample, no proof; half of the radius
+//! the map has as many impacts as the orbit, where that has no ride, and takes at least half of |z − p|² from V. That is a sample, no proof; half of the radius
 //! that passes is used.
 
 use std::sync::atomic::AtomicBool;
@@ -75,6 +75,7 @@ pub fn neighbourhoods<S: Coordinates + Clone>(
 struct End {
     at: DVector<f64>,
     impacts: u64,
+    rides: u64,
     derivative: DMatrix<f64>,
 }
 
@@ -93,7 +94,8 @@ impl<S: Coordinates + Clone> Around<'_, S> {
         let system = &self.trajectory.system;
         let state = state_at(system, at, self.trajectory.cycle.begin)?;
         let mut trajectory = self.trajectory.from(&state);
-        let (mut impacts, mut derivative) = (0, DMatrix::identity(at.len(), at.len()));
+        let (mut impacts, mut rides, mut derivative) =
+            (0, 0, DMatrix::identity(at.len(), at.len()));
         for _ in 0..self.periods {
             let Ok(image) = map(&trajectory, tangents, self.cancel) else { return Some(None) };
             if image.outcome != Outcome::Finished {
@@ -103,9 +105,10 @@ impl<S: Coordinates + Clone> Around<'_, S> {
                 derivative = tangent.matrix * derivative;
             }
             impacts += image.impacts;
+            rides += image.rides;
             trajectory.state = image.state;
         }
-        Some(Some(End { at: system.point(&trajectory.state), impacts, derivative }))
+        Some(Some(End { at: system.point(&trajectory.state), impacts, rides, derivative }))
     }
 
     fn neighbourhood(&self, attractor: usize) -> Option<Neighbourhood> {
@@ -116,7 +119,7 @@ impl<S: Coordinates + Clone> Around<'_, S> {
         // V is at least |z − p|²: no point of the ellipsoid is further away than its radius.
         let mut radius = size;
         for _ in 0..MOST_HALVINGS {
-            if self.is_kept(radius, (&factor, &inverse), orbit.impacts) {
+            if self.is_kept(radius, (&factor, &inverse), &orbit) {
                 let shape = factor / (0.5 * radius);
                 let radius = 1.0 / shape.norm();
                 return Some(Neighbourhood {
@@ -136,7 +139,7 @@ impl<S: Coordinates + Clone> Around<'_, S> {
         &self,
         radius: f64,
         (factor, inverse): (&DMatrix<f64>, &DMatrix<f64>),
-        impacts: u64,
+        orbit: &End,
     ) -> bool {
         let count = self.centre.len();
         (0..DIRECTIONS * count).all(|k| {
@@ -150,7 +153,9 @@ impl<S: Coordinates + Clone> Around<'_, S> {
                     Some(Some(end)) => {
                         let [before, after] =
                             [&off, &(end.at - &self.centre)].map(|z| (factor * z).norm_squared());
-                        end.impacts == impacts && after <= before - 0.5 * off.norm_squared()
+                        // Of a chatter that ends in a ride the number of impacts is no number of the orbit.
+                        let alike = orbit.rides > 0 || end.impacts == orbit.impacts;
+                        alike && after <= before - 0.5 * off.norm_squared()
                     }
                 }
             })
