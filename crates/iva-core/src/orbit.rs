@@ -3,7 +3,7 @@
 //! Periodic orbits, their multipliers, basins, diagrams and exponents are all made of one map ([`map`]): from the
 //! state at one phase of the drive to the state one or more cycles later. Each cycle begins on the same clock, so
 //! that equal states at its begin have equal states at its end, to the bit. No table is made and nothing is measured
-//! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
+//! but the number of impacts. The derivative of the map ([`Derived`]) is the monodromy matrix of a periodic orbit.
 //!
 //! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix,
 //! with errors and an exact identity in [`spectrum`]; [`polish`] finds it to twice the precision; [`description`] has the events and extremes of one cycle of it, and

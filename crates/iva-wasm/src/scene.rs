@@ -61,7 +61,8 @@ impl Scene {
                 }
                 ["starts", name, ref values @ ..] => {
                     let field = FieldId::find(Part::Start, name);
-                    let field = field.ok_or_else(|| Invalid::new("start", name, "no such field"))?;
+                    let field =
+                        field.ok_or_else(|| Invalid::new("start", name, "no such field"))?;
                     scene.spec.set_starts(field, &numbers(values)?)?;
                 }
                 ["force"] => scene.spec.add_force(ForceSpec::new(None)),

@@ -95,12 +95,15 @@ pub fn diagram<S: Coordinates + Clone>(
     Ok(columns)
 }
 
-/// One column, and the state at its end if it finished.
+/// A column, and the state at its end if it finished.
+type Ended<T> = (Column<T>, Option<T>);
+
+/// One column.
 fn column<S: Coordinates + Clone>(
     mut trajectory: Trajectory<S>,
     Window { discard, keep }: Window,
     cancel: Option<&AtomicBool>,
-) -> Result<(Column<S::Strobe>, Option<S::Strobe>), Invalid> {
+) -> Result<Ended<S::Strobe>, Invalid> {
     let mut strobes = vec![];
     for cycle in 0..discard.saturating_add(keep) {
         let image = map(&trajectory, false, cancel)?;

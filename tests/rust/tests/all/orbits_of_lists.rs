@@ -216,7 +216,7 @@ fn orbits_have_the_known_product_of_their_multipliers() {
 fn exponents_are_the_logarithms_of_multipliers() {
     let mut rng = Rng::new(5);
     let (mut compared, mut lost, mut summed) = (0, 0, 0);
-    for kind in 0..KINDS.len() {
+    for (kind, name) in KINDS.iter().enumerate() {
         let Some(orbit) = settled(kind, &mut rng).filter(Orbit::is_stable) else { continue };
         let description = describe(&orbit, None).unwrap();
         let known = spectrum(&orbit, &description, None).unwrap();
@@ -233,12 +233,12 @@ fn exponents_are_the_logarithms_of_multipliers() {
             let turns = known.multipliers.iter().filter(like_size).count() > 1;
             let near = 2e-6 + if turns { 3.0 / (32.0 * length) } else { 0.0 };
             let like = *exponent == truth || (exponent - truth).abs() < near;
-            assert!(like, "{}: {:?} {:?}", KINDS[kind], found.exponents, known.multipliers);
+            assert!(like, "{}: {:?} {:?}", name, found.exponents, known.multipliers);
             compared += 1;
         }
         if let Some(error) = found.sum_error {
             summed += 1;
-            assert!(error.abs() < 1e-12, "{}: {error:e}", KINDS[kind]);
+            assert!(error.abs() < 1e-12, "{}: {error:e}", name);
         }
     }
     assert!(compared > 15 && lost > 0, "{compared} {lost} {summed}");
