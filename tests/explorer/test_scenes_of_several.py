@@ -66,6 +66,8 @@ def test_a_scene_of_several_parts_is_drawn_dragged_and_copied(
     browser.theme("light")
     path_of = "absorber.1.gap_mm" if isinstance(absorber, list) else "absorber.gap_mm"
     before = values(browser)
+    # The window has its size again, and the handles their places.
+    browser.value("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 200)))")
     browser.drag(f".view-drawing{'_1' if drawings > 1 else ''} .handle.plus", 6)
     after = values(browser)
     assert after[path_of] > before[path_of]
