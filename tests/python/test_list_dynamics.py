@@ -192,6 +192,15 @@ def test_a_box_has_a_range_of_each_gap() -> None:
             ),
             "attractors.*of several modes they are found from the cells",
         ),
+        (
+            lambda: dynamics.basins(
+                [PAIR[0], iva.Stop(restitution=0.6, clearance=2.0)],
+                PRIMARY,
+                force=FORCE,
+                over={"gap_velocity.1": [0.0], "velocity": [0.0]},
+            ),
+            "over = gap_velocity.1: a stop on the ground has no start",
+        ),
     ],
 )
 def test_what_cannot_be_asked_is_told_in_a_sentence(ask: Any, match: str) -> None:

@@ -11,8 +11,9 @@ use iva_core::orbit::{Coordinates, Trajectory};
 
 use super::attractors::{searched, told_of};
 use super::family::{Family, OfMember, with_member};
-use super::starts::{Numbers, Startable};
+use super::starts::{Numbers, Startable, name_of};
 use super::{Found, Missed, Outcome, Tracker};
+use crate::choices::Kind;
 use crate::design::Spec;
 use crate::sweep::SweepError;
 use crate::workers::Workers;
@@ -130,6 +131,7 @@ fn labelled<S: Startable + OfMember>(
         let rule = "of several modes they are found from the cells; leave them out";
         return Err(Invalid::new("attractors", "given", rule).into());
     }
+    plane.check(family)?;
     let starts = plane.starts();
     let all = |orbit: &Numbers| orbit.iter().copied().enumerate().collect::<Changed>();
     let sought = match &asked.orbits {
@@ -283,6 +285,21 @@ fn ending(cell: &Cell, most_cycles: u64) -> i32 {
 type Changed = Vec<(usize, f64)>;
 
 impl Plane {
+    /// Checks that no number is one of a stop in a list, which has no start of its own.
+    fn check(&self, family: &Family) -> Result<(), Invalid> {
+        let stands = |place: &usize| {
+            let owner = place.checked_sub(2).and_then(|it| family.spec.owners().nth(it / 2));
+            owner.is_some_and(|it| family.spec.choices_of(it).kind == Kind::Stop)
+        };
+        match self.axes.iter().find(|place| family.is_several() && stands(place)) {
+            Some(place) => {
+                let rule = "a stop on the ground has no start; give a number of the structure";
+                Err(Invalid::new("over", name_of(*place, usize::MAX), rule))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The starts of all cells, row by row upwards.
     fn starts(&self) -> Vec<Changed> {
         let ([across, up], [x, y]) = (self.axes, &self.values);
