@@ -15,6 +15,11 @@ pub const LARGEST_RATIO: f64 = 1e9;
 /// Largest tolerance of a flight; with a larger one a step is no useful approximation.
 pub const LARGEST_TOLERANCE: f64 = 1e-3;
 
+/// The same length or velocity, or 0 if it is smaller than a run accepts.
+pub(crate) fn or_zero(value: f64) -> f64 {
+    if value.abs() < SMALLEST { 0.0 } else { value }
+}
+
 /// Checks a length or velocity of either sign.
 ///
 /// # Errors

@@ -10,6 +10,7 @@ use crate::absorber::{Absorber, ImpactLaw as _, LawAt, OnStructure, Start, Wall}
 use crate::host::Host;
 use crate::measures::propagation::{Derivative, Differentiable, Tangent, Tangents};
 use crate::number::real::Real;
+use crate::range;
 
 /// An absorber whose states in flight follow from four numbers and the phase of the drive: x, ẋ, y from the middle of the gap and
 /// ẏ (W = b θ̇ in place of ẏ for a pendulum). Where walls are alike and the motion is level, minus these numbers are those of the
@@ -96,9 +97,9 @@ pub trait Coordinates: Differentiable + Numbered + Sized {
     fn point(&self, state: &Self::State) -> DVector<f64> {
         self.all_numbers(state).into()
     }
-    /// The start at a point; `None` if it is of no place in a gap.
+    /// The start at a point, at which numbers that no run accepts as they are so small are 0; `None` if it is of no place in a gap.
     fn start_of(&self, point: &DVector<f64>) -> Option<Self::Start> {
-        let start = self.all_numbered(point.as_slice())?;
+        let start = self.all_numbered(point.map(range::or_zero).as_slice())?;
         self.check_start(&start).is_ok().then_some(start)
     }
     /// Which of the numbers of a state are y from the middle of a gap, each with the index of its absorber.
@@ -111,7 +112,7 @@ pub trait Coordinates: Differentiable + Numbered + Sized {
     }
     /// The start with these four numbers; `None` if they are of no place in the gap.
     fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start> {
-        let start = self.numbered((*numbers).into());
+        let start = self.numbered(numbers.map(range::or_zero).into());
         self.check_start(&start).is_ok().then_some(start)
     }
     /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
