@@ -56,6 +56,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::absorber::Wall;
+use crate::absorber::derivatives::masses::LinearStructure;
 use crate::absorber::siva::FreeMass;
 use crate::error::Invalid;
 use crate::force::{Acts, Force};
@@ -176,6 +177,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     reach: H::Real,
     /// Made when the structure first leaps.
     leaps: OnceLock<Leaps<H::Real>>,
+    /// What small differences obey, of systems of which it is the same in all states; made when a derivative is first asked for.
+    differences: OnceLock<Box<LinearStructure>>,
 }
 
 impl<R: Real> Modal<UndrivenHost<R>> {
@@ -257,6 +260,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             carrying: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
+            differences: OnceLock::new(),
         };
         let modal = modal.completed();
         modal.check_stops().map(|()| modal)
@@ -328,6 +332,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             carrying: vec![],
             reach: R::ZERO,
             leaps: OnceLock::new(),
+            differences: OnceLock::new(),
         };
         Ok(driven.completed())
     }
@@ -373,6 +378,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.carrying = (0..sets).map(|_| OnceLock::new()).collect();
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
+        self.differences = OnceLock::new();
         self
     }
 

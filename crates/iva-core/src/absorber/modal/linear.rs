@@ -1,5 +1,7 @@
 //! A structure with modes, as small differences see it.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::series::EXACT;
@@ -17,7 +19,15 @@ use crate::segment::taylor::{Pendulum, Posture};
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     /// What small differences obey at a state.
-    fn linear(&self, state: &ModalState<H, N, M>) -> LinearStructure {
+    fn linear(&self, state: &ModalState<H, N, M>) -> Cow<'_, LinearStructure> {
+        if self.swings() {
+            Cow::Owned(self.linear_at(state))
+        } else {
+            Cow::Borrowed(self.differences.get_or_init(|| Box::new(self.linear_at(state))))
+        }
+    }
+
+    fn linear_at(&self, state: &ModalState<H, N, M>) -> LinearStructure {
         let n = self.whole.count();
         let own = self.whole.stiffness.iter().map(|square| square.value);
         let mut stiffness = DMatrix::from_diagonal(&DVector::from_iterator(n, own));
