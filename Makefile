@@ -26,7 +26,7 @@ export PYO3_BUILD_EXTENSION_MODULE := 1
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-terms bench-start weight check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-modes bench-lists bench-terms bench-start weight check-design check-identify check-errors explorer test-explorer bench-explorer stress fuzz corpus wheel sdist reproducible advisories clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -65,6 +65,9 @@ check-design: wheel ## what iva.optimise promises, beside what it does: values, 
 
 check-identify: wheel ## what iva.identify promises, beside what it does: three records, coverage
 	$(BIN)/python tests/truth/identified.py
+
+check-errors: wheel ## estimates of errors and gradients of 2,000 random scenes of many terms, beside twice the precision
+	$(BIN)/python tests/truth/composed.py
 
 explorer: ## build the simulator of the explorer as WebAssembly (without a toolchain for it: on Debian)
 	$(PYTHON) .ci/explorer.py
