@@ -26,17 +26,18 @@ import iva
 from iva import dynamics
 
 MASS_RATIO, RESTITUTION, CLEARANCE, DAMPING = 0.2, 0.7, 4.5, 0.05
-#: Of two masses.
-PAIR = (4.5, 6.0)
+#: Of two masses: their mass ratio and clearances; those of the basin strike in either order.
+PAIR = (0.2, (4.5, 6.0))
+PAIR_OF_BASIN = (0.1, (4.5, 4.7))
 PERIOD = 2 * math.pi
 PRIMARY = iva.Primary(damping_ratio=DAMPING)
 FORCE = iva.Harmonic(amplitude=1.0, frequency=1.0)
 Integrator = Any  # the package has no types
 
 
-def siva(clearance: float = CLEARANCE) -> iva.Siva:
+def siva(clearance: float = CLEARANCE, mass_ratio: float = MASS_RATIO) -> iva.Siva:
     """Return the absorber."""
-    return iva.Siva(mass_ratio=MASS_RATIO, restitution=RESTITUTION, clearance=clearance)
+    return iva.Siva(mass_ratio=mass_ratio, restitution=RESTITUTION, clearance=clearance)
 
 
 def impact(integrator: Integrator, _: int, lane: int | None = None) -> bool:
@@ -95,7 +96,7 @@ def timed(work: Callable[[], object], rounds: int = 3) -> float:
 
 def line(what: str, ours: float, theirs: float) -> None:
     """Print a line."""
-    print(f"{what:<48} {ours:10.2e} s {theirs:10.2e} s {theirs / ours:8.0f}")
+    print(f"{what:<48} {ours:10.2e} s {theirs:10.2e} s {theirs / ours:8.1f}")
 
 
 def orbits(run: Integrator) -> None:
@@ -112,19 +113,23 @@ def orbits(run: Integrator) -> None:
     line("an orbit with its multipliers", ours, timed(by_hand))
 
 
-def of_pair() -> Integrator:
+def of_pair(pair: tuple[float, tuple[float, float]], lanes: int | None = None) -> Integrator:
     """Compile an integrator of two masses on the same structure; its parameter is the force."""
+    mass_ratio, clearances = pair
     x, v, *gaps = hy.make_vars("x", "v", "y0", "w0", "y1", "w1")
     push = -2 * DAMPING * v - x + hy.par[0] * hy.cos(hy.time)
     equations = [(x, v), (v, push)]
     events = []
-    for k, clearance in enumerate(PAIR):
+    event = hy.t_event if lanes is None else hy.t_event_batch
+    for k, clearance in enumerate(clearances):
         y, w = gaps[2 * k : 2 * k + 2]
         equations += [(y, w), (w, -push)]
 
-        def struck(integrator: Integrator, _: int, own: int = 2 * k + 3) -> bool:
-            state = integrator.state
-            gained = MASS_RATIO * (1 + RESTITUTION) / (1 + MASS_RATIO) * state[own]
+        def struck(
+            integrator: Integrator, _: int, lane: int | None = None, own: int = 2 * k + 3
+        ) -> bool:
+            state = integrator.state if lane is None else integrator.state[:, lane]
+            gained = mass_ratio * (1 + RESTITUTION) / (1 + mass_ratio) * state[own]
             state[1] += gained
             rebound = -RESTITUTION * state[own]
             state[[3, 5]] -= gained
@@ -133,14 +138,18 @@ def of_pair() -> Integrator:
 
         rising = hy.event_direction.positive
         events += [
-            hy.t_event(side * y - clearance, callback=struck, direction=rising) for side in (1, -1)
+            event(side * y - clearance, callback=struck, direction=rising) for side in (1, -1)
         ]
-    return hy.taylor_adaptive(equations, np.zeros(6), tol=1e-16, pars=[1.0], t_events=events)
+    if lanes is None:
+        return hy.taylor_adaptive(equations, np.zeros(6), tol=1e-16, pars=[1.0], t_events=events)
+    return hy.taylor_adaptive_batch(
+        equations, np.zeros((6, lanes)), tol=1e-16, pars=np.ones((1, lanes)), t_events=events
+    )
 
 
 def orbits_of_pairs(run: Integrator) -> None:
     """Find an orbit of two masses from a state 1e-3 away, with its multipliers."""
-    masses = [siva(clearance) for clearance in PAIR]
+    masses = [siva(clearance, PAIR[0]) for clearance in PAIR[1]]
     settling = iva.Start(gap_velocity=[0.1, 0.2])
     # By hand impacts are missed on the way there.
     first = dynamics.orbit(masses, PRIMARY, force=FORCE, start=settling, settle=600)
@@ -223,6 +232,28 @@ def basins(batch: Integrator, side: int) -> None:
     line("a cell of a basin", ours / side**2, timed(by_hand, 1) / side**2)
 
 
+def basins_of_pairs(batch: Integrator, side: int) -> None:
+    """Decide where the starts of a grid of two masses end, within 150 cycles."""
+    lanes, finer = 4, 10
+
+    def by_hand() -> None:
+        x, y = np.linspace(-6, 6, side), np.linspace(-3, 3, side)
+        cells = np.array([(one, 0.0, 0.0, 0.0, other, 0.0) for one in x for other in y])
+        for first in range(0, len(cells), lanes):
+            state = np.resize(cells[first : first + lanes], (lanes, 6)).T
+            for _ in range(150):
+                state = mapped(batch, state, 1.0)
+
+    x, y = np.linspace(-6, 6, finer * side), np.linspace(-3, 3, finer * side)
+    over = {"displacement": x, "gap_displacement.1": y}
+    masses = [siva(clearance, PAIR_OF_BASIN[0]) for clearance in PAIR_OF_BASIN[1]]
+    ours = timed(
+        lambda: dynamics.basins(masses, PRIMARY, force=FORCE, over=over, most_cycles=150), 1
+    )
+    theirs = timed(by_hand, 1) / side**2
+    line("a cell of a basin of two masses", ours / (finer * side) ** 2, theirs)
+
+
 def exponents(batch: Integrator, cycles: int) -> None:
     """Follow four neighbours of a chaotic motion, made orthogonal after each cycle."""
     clearance, size = 3.85, 1e-7
@@ -249,10 +280,11 @@ def main() -> None:
     run, batch = integrator(), integrator(4)
     print(f"{'':<48} {'iva':>12} {'by hand':>12} {'ratio':>8}")
     orbits(run)
-    orbits_of_pairs(of_pair())
+    orbits_of_pairs(of_pair(PAIR))
     branches(run, 40 // share)
     diagrams(run, 20 // share)
     basins(batch, 40 // share)
+    basins_of_pairs(of_pair(PAIR_OF_BASIN, 4), 20 // share)
     exponents(batch, 2000 // share)
 
 
