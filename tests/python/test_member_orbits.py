@@ -138,7 +138,7 @@ def test_basins_and_diagrams(name: str) -> None:
     assert sum(one.share for one in kinds) == pytest.approx(1.0)
 
 
-def test_what_rubs_has_orbits_but_no_branches() -> None:
+def test_what_rubs_has_orbits_and_branches() -> None:
     rubs = iva.Siva(mass_ratio=0.2, clearance=4.5, restitution=0.7, friction=0.05, gravity=1.0)
     found = dynamics.attractors(rubs, PRIMARY, force=FORCE, starts=6, most_cycles=2000)
     orbit = found.attractors[0].orbit
@@ -150,8 +150,14 @@ def test_what_rubs_has_orbits_but_no_branches() -> None:
     assert verified
     assert verified.state_error is not None
     assert verified.state_error < 1e-12
-    with pytest.raises(ValueError, match="friction"):
-        dynamics.follow(orbit, over="clearance", between=(3.0, 6.0))
+    branch = dynamics.follow(orbit, over="friction", between=(0.03, 0.08))
+    assert isinstance(branch, dynamics.Branch), branch
+    assert branch.ends == ("range", "range")
+    last = branch.orbit(-1)
+    assert isinstance(last, dynamics.Orbit)
+    assert last.run().state_at(last.period).displacement == pytest.approx(
+        last.start.displacement, abs=1e-9
+    )
 
 
 def test_two_halves_of_a_force_are_the_force() -> None:

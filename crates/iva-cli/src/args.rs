@@ -105,8 +105,9 @@ pub enum Command {
     #[command(after_help = "Example: over the clearance, with a table of its points\n\n  \
                             iva branch my.toml --settle 300 --over clearance --from 0.5 --to 8 \\\n      \
                             --csv branch.csv\n\n\
-                            Printed are folds, pitchforks, flips, Neimark-Sacker points, grazings and\n\
-                            impacts that vanish. The study gives the field itself.")]
+                            Printed are folds, pitchforks, flips and Neimark-Sacker points, and where another\n\
+                            sequence of events begins. The study gives the field itself; of one absorber in\n\
+                            a list it is absorber.1.clearance.")]
     Branch(BranchArgs),
     /// Let a field of a study go up and down, each steady state from the end of the last
     #[command(after_help = "Example: over 200 clearances, with a table of all strobes\n\n  \

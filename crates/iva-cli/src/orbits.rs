@@ -8,11 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_study::error::Kept;
 use iva_study::study_file::{StudyFile, read_study};
-use iva_sweep::design::Spec;
 use iva_sweep::dynamics::branches::{Complex, End, Followed, Row, Special, Way, follow};
 use iva_sweep::dynamics::words::words;
 use iva_sweep::dynamics::{Asked, Found, ToTwice, orbit};
-use iva_sweep::fields::{FieldId, Quantity};
+use iva_sweep::fields::Quantity;
 use iva_sweep::slot::Slot;
 use iva_sweep::units::UnitSystem;
 
@@ -163,7 +162,7 @@ pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
     let over = field.over;
     let between = [args.from, args.to];
     let way = Way { over, between, longest: args.step, most_points: args.points as usize };
-    let on_orbit = on_orbit(&file.study.spec, &start);
+    let on_orbit = start.course.begun(&file.study.spec);
     let spec = on_orbit.map_err(|invalid| file.source.locate(&invalid))?;
     let shape = (start.least_periods, start.symmetric);
     let followed =
@@ -215,27 +214,9 @@ pub(crate) fn write_new(path: Option<&Path>, text: &str, report: &str) -> Result
     })
 }
 
-/// The scene with the start on the orbit.
-fn on_orbit(spec: &Spec, found: &Found) -> Result<Spec, iva_sweep::Invalid> {
-    let (mut spec, state) = (spec.clone(), found.course.state());
-    spec.replace(FieldId::Displacement, state.displacement)?;
-    spec.replace(FieldId::Velocity, state.velocity)?;
-    match state.angle {
-        Some(angle) => {
-            spec.replace(FieldId::Angle, angle.value)?;
-            spec.replace(FieldId::AngularVelocity, angle.rate)?;
-        }
-        None => {
-            spec.replace(FieldId::GapDisplacement, state.gap_displacement)?;
-            spec.replace(FieldId::GapVelocity, state.gap_velocity)?;
-        }
-    }
-    Ok(spec)
-}
-
 /// A branch, for the terminal.
 fn told(followed: &Followed, over: Slot, units: UnitSystem) -> String {
-    let Followed { chain, rows, special, ends } = followed;
+    let Followed { chain, rows, special, ends, .. } = followed;
     let stable = rows.iter().filter(|row| row.stable).count();
     let shape = if chain.symmetric { "symmetric" } else { "asymmetric" };
     let values = || rows.iter().map(|row| row.value);
@@ -244,7 +225,7 @@ fn told(followed: &Followed, over: Slot, units: UnitSystem) -> String {
         "{} {shape} orbits with {} impacts in {} periods, {stable} of them stable\n\n  {name} from {} to {}; \
          ends: {}, {}\n\n",
         rows.len(),
-        chain.impacts(),
+        followed.impacts(),
         chain.cycles,
         short(values().fold(f64::INFINITY, f64::min), DIGITS),
         measured(values().fold(f64::NEG_INFINITY, f64::max), over.info().quantity, units),
@@ -266,7 +247,7 @@ fn told(followed: &Followed, over: Slot, units: UnitSystem) -> String {
 /// The rows of a branch as CSV.
 fn table(followed: &Followed, over: &str) -> String {
     let mut out = format!("{over},arclength,amplitude,stable,grazing_margin,approach_speed_min");
-    for k in 1..=4 {
+    for k in 1..=followed.rows.first().map_or(0, |row| row.multipliers.len()) {
         let _ = write!(out, ",multiplier_{k}_re,multiplier_{k}_im");
     }
     out.push('\n');

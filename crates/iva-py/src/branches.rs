@@ -45,6 +45,8 @@ fn condition((kind, index, side): &GivenCondition) -> PyResult<Condition> {
         "neimark_sacker" => Condition::NeimarkSacker,
         "grazing" => Condition::Grazing { flight: *index, wall: wall(*side) },
         "impact_vanishes" => Condition::ImpactVanishes { impact: *index },
+        "impacts_coincide" => Condition::ImpactsCoincide,
+        "slide_changes" => Condition::SlideChanges,
         "stick_begins" => Condition::StickBegins { impact: *index },
         other => return Err(PyValueError::new_err(format!("kind = {other}: no such point"))),
     })
@@ -174,8 +176,8 @@ pub fn curve<'py>(
     Ok(dict)
 }
 
-fn pairs(multipliers: &[Complex<f64>; 4]) -> [(f64, f64); 4] {
-    multipliers.map(|it| (it.re, it.im))
+fn pairs(multipliers: &[Complex<f64>]) -> Vec<(f64, f64)> {
+    multipliers.iter().map(|it| (it.re, it.im)).collect()
 }
 
 fn failed<'py>(
@@ -193,7 +195,7 @@ fn answer<'py>(
     followed: Result<Followed, NoBranch>,
     cut: Option<PyErr>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let Followed { chain, rows, special, ends } = match (followed, cut) {
+    let Followed { chain, sequence, rows, special, ends } = match (followed, cut) {
         (Ok(followed), None) => followed,
         (Ok(followed), Some(_)) if followed.rows.len() > 1 => followed,
         (_, Some(raised)) => return Err(raised),
@@ -201,6 +203,7 @@ fn answer<'py>(
     };
     let dict = PyDict::new(py);
     dict.set_item("chain", given_chain(&chain))?;
+    dict.set_item("sequence", sequence)?;
     let rows = rows.iter().map(|it| row(py, it)).collect::<PyResult<Vec<_>>>()?;
     dict.set_item("rows", rows)?;
     let points = special.iter().map(|point| {

@@ -191,6 +191,19 @@ impl Structure {
         &self.entries
     }
 
+    /// The same structure that begins at displacements of its modes or coordinates, with these rates.
+    ///
+    /// # Errors
+    /// [`Invalid`] if there are more or fewer.
+    pub fn begun_at(&self, [at, rates]: &[Vec<f64>; 2]) -> Result<Self, Invalid> {
+        let [place, rate] = ["start_displacements", "start_velocities"];
+        let kept = self.entries.iter().filter(|(name, _)| ![place, rate].contains(name));
+        let kept = kept.map(|(name, entry)| ((*name).to_owned(), entry.clone()));
+        let begun = [(place, at), (rate, rates)];
+        let begun = begun.map(|(name, numbers)| (name.to_owned(), Entry::Numbers(numbers.clone())));
+        Self::new(kept.chain(begun))
+    }
+
     /// ω of the mode that natural frequency and period are those of, in rad/s.
     pub fn natural_frequency(&self) -> f64 {
         self.natural_frequency

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 
 from iva import _iva
-from iva.dynamics.orbits import Missed, Orbit
+from iva.dynamics.orbits import Missed, Orbit, in_units_of
 from iva.parameters import shown, spec
 from iva.spelling import hint
 
@@ -83,7 +83,7 @@ def check(branch: Branch, names: Sequence[str]) -> None:
     ValueError
         If there is none, or no such measure.
     """
-    _, units = _iva.column_units(_iva.unit_system(spec(branch.scene.primary)), [])
+    _, units = _iva.column_units(_iva.unit_system(spec(in_units_of(branch.scene.primary))), [])
     known = [name for name in (*units["summary"], *POWERS) if name not in ("point", "outcome")]
     if not names:
         raise ValueError("measures: give at least one, such as 'amplitude_rms' or 'mean_power'")

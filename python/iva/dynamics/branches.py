@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from iva import _iva
 from iva.dynamics.branch_measures import measured
 from iva.dynamics.changed_scenes import Scene
-from iva.dynamics.orbits import Missed, Orbit, rounded
-from iva.dynamics.search import alone, orbit_of, whole
+from iva.dynamics.orbits import Missed, Orbit, rounded, scene_told
+from iva.dynamics.search import orbit_of, whole
 from iva.forces import listed
-from iva.parameters import shown, spec
+from iva.parameters import shown
 from iva.progress import Progress, reporting
-from iva.scene_lines import scene_lines
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     import polars as pl
-
-    from iva.dynamics.orbits import Four
 
 #: Most points of a branch to either side.
 MOST_POINTS = 10**6
@@ -43,8 +40,9 @@ class Row:
         Length along the branch, in shares of the range and of the sizes of the state.
     amplitude : float
         Largest |x|.
-    multipliers : tuple of complex, length 4
-        Floquet multipliers, largest first. Not finite where the speed of an impact is 0.
+    multipliers : tuple of complex
+        Floquet multipliers, largest first, as many as a state has numbers. Not finite where the
+        speed of an impact is 0.
     stable : bool
         All multipliers are smaller than 1 in size.
     grazing_margin : float or None
@@ -54,13 +52,15 @@ class Row:
         Smallest approach speed of its impacts, of a stick episode of the first one.
     unknowns : tuple of float
         In natural units: the instant of the first impact, x, ẋ and ẏ (of a pendulum b θ̇) after it,
-        and the instants of the others; of a symmetric orbit those of half a cycle.
+        and the instants of the others; of a symmetric orbit those of half a cycle. Of several
+        absorbers or modes, and of what rubs: a phase of the cycle (0 to 1), and the numbers of the
+        state there.
     """
 
     value: float
     arclength: float
     amplitude: float
-    multipliers: Four
+    multipliers: tuple[complex, ...]
     stable: bool
     grazing_margin: float | None
     approach_speed_min: float
@@ -74,8 +74,8 @@ class Point:
     Parameters
     ----------
     kind : str
-        ``fold``, ``pitchfork``, ``flip``, ``neimark_sacker``, ``grazing``, ``impact_vanishes`` or
-        ``stick_begins``.
+        ``fold``, ``pitchfork``, ``flip``, ``neimark_sacker``, ``grazing``, ``impact_vanishes``,
+        ``stick_begins``, ``impacts_coincide`` or ``slide_changes``.
     row : Row
         The orbit there, as a point of the branch; where a stick begins, with the multipliers of
         the last orbit before it.
@@ -116,21 +116,29 @@ class Branch:
     chain : tuple
         Walls (+1 and −1) of the impacts until the motion repeats, of a symmetric orbit those of
         half of it; which of them begin a stick episode and stand for all its impacts; whether it
-        is symmetric; and the number of periods of the force until it repeats.
+        is symmetric; and the number of periods of the force until it repeats. Without walls where
+        there are several absorbers or modes, or something rubs.
+    sequence : str or None
+        The walls of such a branch.
     rows : tuple of Row
         Its points in order; the first is at the end that is reached towards smaller numbers.
     points : tuple of Point
         Its special points, in the same order.
     ends : tuple of str, length 2
         Why it ends on either side: ``range``, ``grazing``, ``impact_vanishes``, ``stick_begins``
-        (beyond, the absorber leaves a wall before it sticks to it), ``origin`` (the pitchfork or
-        flip where it begins), ``closed``, ``stalled`` or ``points``.
+        (beyond, the absorber leaves a wall before it sticks to it), ``impacts_coincide`` (of two
+        absorbers; beyond, in the other order), ``slide_changes`` (a slide, or a time in which
+        friction holds, begins or ends to be, or turns at the instant of an impact), ``origin``
+        (the pitchfork or flip where it begins), ``closed``, ``stalled`` or ``points``.
 
     Notes
     -----
     Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of
     the impacts; special points by Newton's method on the orbit and its condition together. The
-    motion from the first impact of a stick episode to its release is that of a run.
+    motion from the first impact of a stick episode to its release is that of a run. Where there are
+    several absorbers, units or modes, or something rubs, the equations are those of the map over
+    the cycle with the derivatives of a run (single shooting); special points are sign changes along
+    the branch, and its end is the last orbit with its sequence of events, down to rounding.
 
     Examples
     --------
@@ -149,6 +157,7 @@ class Branch:
     rows: tuple[Row, ...]
     points: tuple[Point, ...]
     ends: tuple[str, str]
+    sequence: str | None
     steps: tuple[float, int]
 
     @property
@@ -165,8 +174,11 @@ class Branch:
     def walls(self) -> str:
         """The walls until the motion repeats.
 
-        ``+`` or ``-`` for an impact, ``(+)`` or ``(-)`` for a stick episode with all its impacts.
+        ``+`` or ``-`` for an impact, ``(+)`` or ``(-)`` for a stick episode with all its impacts;
+        of several absorbers each with the number of its absorber before it.
         """
+        if self.sequence is not None:
+            return self.sequence
         walls, sticks, symmetric, _ = self.chain
         both = (*walls, *(-wall for wall in walls)) if symmetric else walls
         signs = ("+" if wall > 0 else "-" for wall in both)
@@ -178,6 +190,8 @@ class Branch:
     def impacts(self) -> int:
         """Number of impacts until the motion repeats; a stick episode counts as one."""
         walls, _, symmetric, _ = self.chain
+        if self.sequence is not None:
+            return sum(self.sequence.count(sign) for sign in "+-")
         return 2 * len(walls) if symmetric else len(walls)
 
     @property
@@ -205,7 +219,7 @@ class Branch:
             pl.Series(
                 f"multiplier_{k + 1}_{name}", [getattr(row.multipliers[k], of) for row in self.rows]
             )
-            for k in range(4)
+            for k in range(max(len(row.multipliers) for row in self.rows))
             for name, of in (("re", "real"), ("im", "imag"))
         ]
         return frame.with_columns(parts)
@@ -270,7 +284,8 @@ class Branch:
         begins there; where an impact vanishes that without it. Where this branch itself begins at
         the point, it is the branch that it begins on. At a fold, which the branch has rounded
         already, at a Neimark–Sacker point and where a stick begins, no branch of orbits begins: a
-        `Missed` is returned, as where too few impacts are left for an isolated orbit.
+        `Missed` is returned, as where too few impacts are left for an isolated orbit. Of several
+        absorbers or modes, and of what rubs, only those of pitchforks and flips are found.
 
         Parameters
         ----------
@@ -303,9 +318,8 @@ class Branch:
             f"  {len(self.rows)} orbits, {stable} of them stable; ends: {', '.join(self.ends)}",
         ]
         lines += [f"  {point.kind} at {point.value:.12g}" for point in self.points]
-        parts = (self.scene.absorber, self.scene.primary, *listed(self.scene.force))
-        lines += [f"  {line}" for line in scene_lines(*parts)]
-        lines.append(f"  {_iva.primary_units(spec(self.scene.primary))}")
+        scene = self.scene
+        lines += scene_told(scene.absorber, scene.primary, *listed(scene.force))
         return "\n".join(lines)
 
 
@@ -347,7 +361,7 @@ def follow(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If the scene does not have the number, or the range is not one of it, or something rubs.
+        If the scene does not have the number, or the range is not one of it.
     KeyboardInterrupt
         On Ctrl-C before there is a second point. Later it ends the branch with what it has, within
         about a second, and `ends` say ``"cancelled"``.
@@ -364,7 +378,6 @@ def follow(
     """
     if not isinstance(orbit, Orbit):
         raise TypeError(f"orbit = {shown(orbit)}: give an orbit that dynamics.orbit has found")
-    alone(orbit)
     made = Scene(orbit.absorber, orbit.primary, orbit.force, orbit.start, over)
     low, high = between
     steps = (float(step), whole("most_points", most_points, 1, MOST_POINTS))
@@ -377,10 +390,9 @@ def follow(
     return branch(found, made, (float(low), float(high)), steps)
 
 
-def complexes(pairs: list[tuple[float, float]]) -> Four:
+def complexes(pairs: list[tuple[float, float]]) -> tuple[complex, ...]:
     """Return multipliers that the compiled part describes."""
-    one, two, three, four = (complex(*pair) for pair in pairs)
-    return one, two, three, four
+    return tuple(complex(*pair) for pair in pairs)
 
 
 def row(made: dict[str, Any]) -> Row:
@@ -417,6 +429,7 @@ def branch(
         rows=tuple(row(made) for made in found["rows"]),
         points=tuple(points),
         ends=tuple(found["ends"]),
+        sequence=found["sequence"],
         steps=steps,
     )
 

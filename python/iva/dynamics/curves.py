@@ -18,8 +18,6 @@ TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     import polars as pl
 
-    from iva.dynamics.orbits import Four
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Curve:
@@ -35,7 +33,7 @@ class Curve:
         The two numbers.
     values : tuple of (float, float)
         The numbers of each point, in order along the curve.
-    multipliers : tuple of tuple of complex, length 4
+    multipliers : tuple of tuple of complex
         The multipliers of the orbit at each point.
     ends : tuple of str, length 2
         Why it ends on either side, as of `Branch`; at a grazing or a vanishing impact another
@@ -50,7 +48,7 @@ class Curve:
     scene: Scene
     over: tuple[str, str]
     values: tuple[tuple[float, float], ...]
-    multipliers: tuple[Four, ...]
+    multipliers: tuple[tuple[complex, ...], ...]
     ends: tuple[str, str]
     missed: tuple[float, ...]
 

@@ -27,8 +27,6 @@ MOST_WALLS = 24
 #: Displacement and velocity of the primary system, gap displacement and gap velocity of each
 #: absorber.
 State = tuple[float, ...]
-#: Four multipliers, of one absorber on one mode.
-Four = tuple[complex, complex, complex, complex]
 #: Multipliers, as many as the numbers of a state.
 Multipliers = tuple[complex, ...]
 

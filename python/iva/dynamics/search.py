@@ -224,19 +224,6 @@ def members(absorber: object) -> int:
     return sum(int(getattr(one, "units", None) or 1) for one in each)
 
 
-def alone(orbit: Orbit) -> None:
-    """Look whether an orbit is one of a single absorber on one mode.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
-    if several(orbit.absorber) or isinstance(orbit.primary, Structure):
-        rule = "give one of a single absorber on an iva.Primary"
-        raise ValueError(f"orbit is one of several absorbers or units, or on several modes: {rule}")
-
-
 def whole(field: str, value: object, least: int, most: int) -> int:
     """Return a whole number within a range.
 

@@ -16,12 +16,15 @@ from iva import _iva
 from iva.dynamics.branches import Branch, Row
 from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.curves import Curve
+from iva.dynamics.orbits import in_units_of
 from iva.parameters import shown, spec
 from iva.plots.axis_units import fields_of, in_millimetres, name_axis
 from iva.plots.labels import labelled, of_column
 from iva.plots.legends import legend_above
 from iva.plots.styles import BLACK, BLUE, CURVES, GREY, VERMILLION, drawing_on
+from iva.scenes import absorbers
 from iva.spelling import spell_checked
+from iva.structures import Structure
 
 #: Kind of a special point → marker and words.
 MARKERS = {
@@ -32,6 +35,8 @@ MARKERS = {
     "grazing": ("x", "grazing"),
     "impact_vanishes": ("+", "impact vanishes"),
     "stick_begins": ("v", "stick begins"),
+    "impacts_coincide": ("*", "impacts coincide"),
+    "slide_changes": ("^", "slide changes"),
 }
 #: Columns of a branch that are drawn → words, symbol and quantity.
 COLUMNS = {
@@ -213,7 +218,7 @@ def stability_chart(curves: Curve | Iterable[Curve], *, ax: Axes | None = None) 
         rule = "give curves over the same two numbers" if given else "give at least one"
         raise ValueError(f"curves: {rule}")
     across, up = given[0].over
-    system = _iva.unit_system(spec(given[0].scene.primary))
+    system = _iva.unit_system(spec(in_units_of(given[0].scene.primary)))
     units = _iva.column_units(system, [across, up])[1]["summary"]
     with drawing_on(ax) as axes:
         for colour, one in zip(cycle(CURVES), given, strict=False):
@@ -251,13 +256,14 @@ def listed(branches: Branch | Iterable[Branch]) -> list[Branch]:
 
 def scene_in_mm(scene: Scene) -> bool:
     """Return whether lengths of a scene were given in mm."""
-    given = fields_of(scene.absorber, scene.primary, scene.force, scene.start)
+    primary = None if isinstance(scene.primary, Structure) else scene.primary
+    given = fields_of(*absorbers(scene.absorber), primary, scene.force, scene.start)
     return in_millimetres([*given, scene.over])
 
 
 def units_of(one: Branch) -> dict[str, str]:
     """Return the units of the number that is changed, of displacements and of velocities."""
-    system = _iva.unit_system(spec(one.scene.primary))
+    system = _iva.unit_system(spec(in_units_of(one.scene.primary)))
     _, tables = _iva.column_units(system, [one.scene.over])
     impacts = tables["impacts"]
     found: dict[str, str] = dict(tables["summary"])

@@ -7,6 +7,8 @@
 //! that change their sign between two points, the point is located by Newton's method on the equations of the orbit and
 //! the condition together, whose matrix stays regular there. What ends within a stick episode (`orbit/episode.rs`) is known from one
 //! side only: that end is the last orbit before a point beyond which, by steps down to rounding, there is none.
+//!
+//! Systems of several members or modes, and what rubs, have no such chain: their branches are those of [`shooting`].
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
@@ -22,6 +24,7 @@ use follower::{Follower, Side};
 mod brink;
 mod follower;
 mod halves;
+pub mod shooting;
 mod switch;
 
 pub use switch::switch;
@@ -55,12 +58,13 @@ pub struct BranchPoint {
     pub value: f64,
     /// Length of the branch up to here, in scales; the first orbit is at 0, points on one side of it below.
     pub length: f64,
-    /// The instant of an impact, in 1/ωn, and x, ẋ and ẏ (or W) after it; the instants of the other impacts of the chain.
+    /// The instant of an impact, in 1/ωn, and x, ẋ and ẏ (or W) after it; the instants of the other impacts of the chain. Of a branch without a
+    /// chain a section, as a share of the cycle, and the numbers of the state there.
     pub unknowns: Vec<f64>,
     /// The multipliers, largest first.
-    pub multipliers: [Complex<f64>; 4],
+    pub multipliers: Vec<Complex<f64>>,
     /// Those of the half map of a symmetric orbit.
-    pub half_multipliers: Option<[Complex<f64>; 4]>,
+    pub half_multipliers: Option<Vec<Complex<f64>>>,
     /// Largest |x|.
     pub amplitude: f64,
     /// The smallest distance of an extremum of the gap displacement between two impacts from the wall that the absorber turns
@@ -97,6 +101,10 @@ pub enum End {
     ImpactVanishes,
     /// The time that the absorber sticks goes to 0.
     StickBegins,
+    /// Two absorbers strike at one instant.
+    ImpactsCoincide,
+    /// A slide begins or ends to be.
+    SlideChanges,
     /// A pitchfork or flip at which the branch begins: beyond it are the mirror images of its orbits, or the same orbits.
     Origin,
     /// Of a curve of Neimark–Sacker points: the pair of multipliers becomes real, 1 twice or −1 twice.
@@ -117,6 +125,8 @@ impl End {
         match condition {
             Condition::Grazing { .. } => End::Grazing,
             Condition::StickBegins { .. } => End::StickBegins,
+            Condition::ImpactsCoincide => End::ImpactsCoincide,
+            Condition::SlideChanges => End::SlideChanges,
             _ => End::ImpactVanishes,
         }
     }
@@ -128,6 +138,8 @@ impl End {
             End::Grazing => "grazing",
             End::ImpactVanishes => "impact_vanishes",
             End::StickBegins => "stick_begins",
+            End::ImpactsCoincide => "impacts_coincide",
+            End::SlideChanges => "slide_changes",
             End::Origin => "origin",
             End::Resonance => "resonance",
             End::Closed => "closed",
@@ -141,8 +153,10 @@ impl End {
 /// A branch of periodic orbits with one sequence of impacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
-    /// The sequence of impacts.
+    /// The sequence of impacts; without impacts where that of a single member does not tell the orbit ([`shooting`]).
     pub chain: Chain,
+    /// The walls of such a branch, as [`Description::walls`](super::description::Description::walls) has them.
+    pub sequence: Option<String>,
     /// Its points in order.
     pub points: Vec<BranchPoint>,
     /// The special points, in the same order.
@@ -155,9 +169,13 @@ pub struct Branch {
 pub(super) fn multipliers_of(
     map: &Matrix4<f64>,
     symmetric: bool,
-) -> ([Complex<f64>; 4], Option<[Complex<f64>; 4]>) {
+) -> (Vec<Complex<f64>>, Option<Vec<Complex<f64>>>) {
     let own = of_four(map);
-    if symmetric { (largest_first(own.map(|it| it * it)), Some(own)) } else { (own, None) }
+    if symmetric {
+        (largest_first(own.map(|it| it * it)).to_vec(), Some(own.to_vec()))
+    } else {
+        (own.to_vec(), None)
+    }
 }
 
 /// The sizes by which the unknowns of a chain and a number change.
@@ -194,5 +212,5 @@ pub fn follow<S: Coordinates>(
     points.push(first.at);
     points.extend(after.points);
     special.extend(after.special);
-    Some(Branch { chain: chain.clone(), points, special, ends: [before, end] })
+    Some(Branch { chain: chain.clone(), sequence: None, points, special, ends: [before, end] })
 }

@@ -30,6 +30,10 @@ pub enum Kind {
     ImpactVanishes,
     /// The time that the absorber sticks in an episode goes to 0: beyond, its chatter does not end.
     StickBegins,
+    /// Two absorbers strike at one instant: beyond, they do so in the other order.
+    ImpactsCoincide,
+    /// A slide, or a time in which friction holds an absorber, begins or ends to be.
+    SlideChanges,
 }
 
 impl Kind {
@@ -43,6 +47,8 @@ impl Kind {
             Kind::Grazing => "grazing",
             Kind::ImpactVanishes => "impact_vanishes",
             Kind::StickBegins => "stick_begins",
+            Kind::ImpactsCoincide => "impacts_coincide",
+            Kind::SlideChanges => "slide_changes",
         }
     }
 }
@@ -75,6 +81,10 @@ pub enum Condition {
         /// The impact.
         impact: usize,
     },
+    /// Two absorbers strike at one instant.
+    ImpactsCoincide,
+    /// A slide begins or ends to be.
+    SlideChanges,
 }
 
 impl Condition {
@@ -88,6 +98,8 @@ impl Condition {
             Condition::Grazing { .. } => Kind::Grazing,
             Condition::ImpactVanishes { .. } => Kind::ImpactVanishes,
             Condition::StickBegins { .. } => Kind::StickBegins,
+            Condition::ImpactsCoincide => Kind::ImpactsCoincide,
+            Condition::SlideChanges => Kind::SlideChanges,
         }
     }
 
@@ -115,6 +127,7 @@ impl Condition {
             Condition::StickBegins { impact } => {
                 passed.episodes.iter().find(|it| it.impact == impact).map(Episode::duration)
             }
+            Condition::ImpactsCoincide | Condition::SlideChanges => None,
         }
     }
 }
@@ -130,7 +143,7 @@ fn spectral(map: &Matrix4<f64>, speeds: &[f64]) -> [f64; 3] {
 
 /// True if a pair of complex multipliers is on the unit circle; two real ones whose product is 1 are no Neimark–Sacker
 /// point.
-pub(super) fn turns(multipliers: &[Complex<f64>; 4]) -> bool {
+pub(super) fn turns(multipliers: &[Complex<f64>]) -> bool {
     let mut complex = multipliers.iter().filter(|it| it.im > COMPLEX);
     complex.any(|it| (it.norm() - 1.0).abs() < ON_CIRCLE)
 }

@@ -11,7 +11,7 @@ use nalgebra::{Complex, DVector};
 use super::branch::{End, SpecialPoint, multipliers_of, scales};
 use super::chain::Chain;
 use super::conditions::{Condition, Kind, Tests, turns};
-use super::continuation::{Curve, OnCurve, distance, kernel};
+use super::continuation::{Curve, Equations, OnCurve, distance, kernel};
 use super::coordinates::Coordinates;
 use super::family::{Conditioned, Family, Scenes};
 use super::multipliers::of_four;
@@ -47,10 +47,10 @@ pub struct AlongCurve<'a> {
 pub struct CurvePoint {
     /// The two numbers.
     pub values: [f64; 2],
-    /// The unknowns of the chain.
+    /// The unknowns of the orbit, as [`BranchPoint`](super::branch::BranchPoint) has them.
     pub unknowns: Vec<f64>,
     /// The multipliers of the orbit, largest first.
-    pub multipliers: [Complex<f64>; 4],
+    pub multipliers: Vec<Complex<f64>>,
 }
 
 /// A curve of special points.
@@ -74,30 +74,31 @@ struct Side {
     unsolved: Vec<f64>,
 }
 
-/// The following of a curve to one side.
-struct Follower<'a, 'b, S> {
-    family: &'a Family<'b, S>,
-    condition: Condition,
-    along: AlongCurve<'b>,
-}
-
-impl<S: Coordinates> Follower<'_, '_, S> {
-    fn point(&self, at: &DVector<f64>) -> Option<CurvePoint> {
-        let count = self.family.chain.unknowns();
-        let (_, passed, _) = self.family.passed(at, false)?;
-        let (multipliers, _) = multipliers_of(&passed.map, self.family.chain.symmetric);
-        let values = [at[count], at[count + 1]];
-        Some(CurvePoint { values, unknowns: at.as_slice()[..count].to_vec(), multipliers })
+/// The equations of an orbit and a condition; a point has the unknowns of the orbit, then the two numbers.
+pub(super) trait Special: Equations {
+    /// The sizes by which the unknowns and the numbers change.
+    fn scales(&self) -> &DVector<f64>;
+    /// The multipliers of the orbit at a point.
+    fn multipliers(&self, at: &DVector<f64>) -> Option<Vec<Complex<f64>>>;
+    /// The unknowns of a point as they are told.
+    fn unknowns(&self, at: &DVector<f64>) -> Vec<f64> {
+        at.as_slice()[..at.len() - 2].to_vec()
     }
-
-    /// True if both numbers are in their ranges.
-    fn is_within(&self, point: &CurvePoint) -> bool {
-        let mut pairs = self.along.between.iter().zip(point.values);
-        pairs.all(|([low, high], value)| (*low..=*high).contains(&value))
-    }
-
     /// Why the curve ends before a point: the pair of multipliers is real there, or the orbit is not one that a run makes, but for
     /// the condition of the curve.
+    fn broken(&self, at: &DVector<f64>) -> Option<End>;
+}
+
+impl<S: Coordinates> Special for Conditioned<'_, S> {
+    fn scales(&self) -> &DVector<f64> {
+        &self.family.scales
+    }
+
+    fn multipliers(&self, at: &DVector<f64>) -> Option<Vec<Complex<f64>>> {
+        let (_, passed, _) = self.family.passed(at, false)?;
+        Some(multipliers_of(&passed.map, self.family.chain.symmetric).0)
+    }
+
     fn broken(&self, at: &DVector<f64>) -> Option<End> {
         let (system, passed, cycle) = self.family.passed(at, false)?;
         if self.condition == Condition::NeimarkSacker && !turns(&of_four(&passed.map)) {
@@ -106,6 +107,35 @@ impl<S: Coordinates> Follower<'_, '_, S> {
         let broken = Tests::new(&system, &passed, cycle).broken();
         let broken = broken.into_iter().find(|broken| *broken != self.condition)?;
         Some(End::at(broken))
+    }
+}
+
+/// The following of a curve to one side.
+struct Follower<'a, 'b, C> {
+    special: &'a C,
+    along: AlongCurve<'b>,
+}
+
+impl<C: Special> Follower<'_, '_, C> {
+    fn curve(&self) -> Curve<'_> {
+        Curve { equations: self.special, scales: self.special.scales().clone() }
+    }
+
+    /// The index of the first number.
+    fn number(&self) -> usize {
+        self.special.scales().len() - 2
+    }
+
+    fn point(&self, at: &DVector<f64>) -> Option<CurvePoint> {
+        let values = [at[self.number()], at[self.number() + 1]];
+        let multipliers = self.special.multipliers(at)?;
+        Some(CurvePoint { values, unknowns: self.special.unknowns(at), multipliers })
+    }
+
+    /// True if both numbers are in their ranges.
+    fn is_within(&self, point: &CurvePoint) -> bool {
+        let mut pairs = self.along.between.iter().zip(point.values);
+        pairs.all(|([low, high], value)| (*low..=*high).contains(&value))
     }
 
     /// The points to one side of a point.
@@ -122,10 +152,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
         points: &mut Vec<CurvePoint>,
         unsolved: &mut Vec<f64>,
     ) -> End {
-        let equations = Conditioned { family: self.family, condition: self.condition };
-        let scales = &self.family.scales;
-        let curve = Curve { equations: &equations, scales: scales.clone() };
-        let count = self.family.chain.unknowns();
+        let (curve, scales, count) = (self.curve(), self.special.scales(), self.number());
         let mut now = first.clone();
         let mut step = FIRST.min(self.along.longest);
         while points.len() < self.along.most_points {
@@ -143,7 +170,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
                 }
                 continue;
             };
-            if let Some(end) = self.broken(&next.point) {
+            if let Some(end) = self.special.broken(&next.point) {
                 if step > SHORTEST {
                     step *= 0.5;
                     continue;
@@ -202,7 +229,7 @@ pub fn curve<S: Coordinates>(
     along: AlongCurve<'_>,
 ) -> Option<SpecialCurve> {
     let condition = special.condition;
-    if condition.kind() == Kind::StickBegins {
+    if chain.walls.is_empty() || condition.kind() == Kind::StickBegins {
         return None;
     }
     let ranges = along.between.map(|[low, high]| high - low);
@@ -210,15 +237,23 @@ pub fn curve<S: Coordinates>(
     let family = Family { scenes, chain: chain.clone(), scales };
     let point = special.at.unknowns.iter().copied().chain(values);
     let point = DVector::from_iterator(chain.unknowns() + 2, point);
-    let (_, derivatives) = family.with_condition(&point, condition)?;
-    let mut tangent = kernel(&derivatives, &family.scales)?;
-    if tangent[chain.unknowns()] < 0.0 {
+    through(&Conditioned { family: &family, condition }, condition, &point, along)
+}
+
+/// The curve through a point, in both directions.
+pub(super) fn through<C: Special>(
+    special: &C,
+    condition: Condition,
+    point: &DVector<f64>,
+    along: AlongCurve<'_>,
+) -> Option<SpecialCurve> {
+    let follower = Follower { special, along };
+    let (_, derivatives) = special.at(point)?;
+    let mut tangent = kernel(&derivatives, special.scales())?;
+    if tangent[follower.number()] < 0.0 {
         tangent.neg_mut();
     }
-    let equations = Conditioned { family: &family, condition };
-    let first =
-        Curve { equations: &equations, scales: family.scales.clone() }.nearby(&point, &tangent)?;
-    let follower = Follower { family: &family, condition, along };
+    let first = follower.curve().nearby(point, &tangent)?;
     let back = OnCurve { tangent: -&first.tangent, ..first.clone() };
     let (before, after) = (follower.side(&back), follower.side(&first));
     let mut points = before.points;

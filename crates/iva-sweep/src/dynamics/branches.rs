@@ -6,16 +6,14 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::{Invalid, number};
-use iva_core::orbit::branch::{self, Along, Branch, BranchPoint, SpecialPoint};
+use iva_core::orbit::branch::{self, Along, Branch, BranchPoint, SpecialPoint, shooting};
 use iva_core::orbit::curve::{self, AlongCurve, CurvePoint, SpecialCurve};
 use iva_core::orbit::periodic::find;
-use iva_core::orbit::sequence::NoChain;
 use iva_core::orbit::{Coordinates, Trajectory};
 
 use super::family::{Family, OfMember, changeable, middled, with_member};
 use super::{Found, Missed, Tracker, told};
 use crate::design::Spec;
-use crate::fields::FieldId;
 use crate::slot::Slot;
 
 pub use iva_core::absorber::Wall;
@@ -47,7 +45,7 @@ pub struct Row {
     /// Largest |x|.
     pub amplitude: f64,
     /// The multipliers, largest first.
-    pub multipliers: [Complex<f64>; 4],
+    pub multipliers: Vec<Complex<f64>>,
     /// True if all are smaller than 1.
     pub stable: bool,
     /// Smallest distance of an extremum of the gap displacement between impacts from the wall that the absorber turns back
@@ -55,7 +53,8 @@ pub struct Row {
     pub grazing_margin: f64,
     /// Smallest approach speed, those within stick episodes after their first impact apart.
     pub approach_speed_min: f64,
-    /// The unknowns of the chain, in natural units.
+    /// The unknowns of the chain, in natural units; without a chain the section, as a share of the cycle, and the numbers of the
+    /// state there.
     pub unknowns: Vec<f64>,
 }
 
@@ -71,8 +70,10 @@ pub struct Special {
 /// A branch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
-    /// Its sequence of impacts.
+    /// Its sequence of impacts; without impacts where there are several members or modes, or something rubs.
     pub chain: Chain,
+    /// The walls of such a branch.
+    pub sequence: Option<String>,
     /// Its points in order.
     pub rows: Vec<Row>,
     /// The special points in the same order.
@@ -100,7 +101,7 @@ fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid>
 }
 
 fn family_at(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Family, Invalid> {
-    Family::of_one(&changed(spec, slots, values)?, 1)
+    Family::new(&changed(spec, slots, values)?, None, 1)
 }
 
 /// The scenes of a spec at values of some fields: the system, and the period of its drive.
@@ -123,10 +124,6 @@ fn check(spec: &Spec, slots: &[Slot], between: &[[f64; 2]]) -> Result<(), Invali
             return Err(Invalid::new("between", shown, "give two numbers, the smaller one first"));
         }
     }
-    if let Some(value) = spec.get(FieldId::Friction).filter(|value| *value != 0.0) {
-        let rule = "branches are those of an absorber without friction; leave it out";
-        return Err(Invalid::new(FieldId::Friction.path(), number(value), rule));
-    }
     slots.iter().try_for_each(|slot| changeable(*slot))?;
     for end in [0, 1] {
         let values: Vec<_> = between.iter().map(|range| range[end]).collect();
@@ -142,7 +139,7 @@ impl Row {
             value: at.value,
             arclength: at.length,
             amplitude: at.amplitude,
-            multipliers: at.multipliers,
+            multipliers: at.multipliers.clone(),
             stable: at.is_stable(),
             grazing_margin: at.margin,
             approach_speed_min: scale.velocity(at.slowest),
@@ -153,16 +150,25 @@ impl Row {
 
 impl Followed {
     fn new(spec: &Spec, slots: &[Slot], branch: &Branch) -> Result<Self, Invalid> {
-        let Branch { chain, points, special, ends } = branch;
+        let Branch { chain, sequence, points, special, ends } = branch;
         let special = special.iter().map(|SpecialPoint { condition, at }| {
             Ok(Special { condition: *condition, row: Row::new(spec, slots, at)? })
         });
         Ok(Self {
             chain: chain.clone(),
+            sequence: sequence.clone(),
             rows: points.iter().map(|at| Row::new(spec, slots, at)).collect::<Result<_, _>>()?,
             special: special.collect::<Result<_, Invalid>>()?,
             ends: *ends,
         })
+    }
+}
+
+impl Followed {
+    /// Number of impacts in a cycle; a stick episode counts as one.
+    pub fn impacts(&self) -> usize {
+        let listed = |walls: &String| walls.chars().filter(|it| "+-".contains(*it)).count();
+        self.sequence.as_ref().map_or_else(|| self.chain.impacts(), listed)
     }
 }
 
@@ -171,13 +177,24 @@ impl Followed {
 /// # Errors
 /// [`Invalid`] if the spec gives the quantity in another way, or not at all.
 pub fn value_of(spec: &Spec, slot: Slot) -> Result<f64, Invalid> {
-    let given = spec.given().find(|(other, _)| *other == slot || other.field == slot.field);
-    given.map(|(_, value)| value).ok_or_else(|| {
+    let given = || spec.given().filter(|(other, _)| other.field == slot.field);
+    if let Some((_, value)) = given().find(|(other, _)| *other == slot) {
+        return Ok(value);
+    }
+    let (_, value) = given().next().ok_or_else(|| {
         Invalid::missing(
             slot.path(),
             "give the scene by the field that the branch is followed over",
         )
-    })
+    })?;
+    match given().find(|(_, other)| *other != value) {
+        None => Ok(value),
+        Some((other, _)) => {
+            let rule =
+                format!("not all of them have this value; follow one, such as {}", other.path());
+            Err(Invalid::new(slot.path(), number(value), rule))
+        }
+    }
 }
 
 /// Follows the branch of the orbit near the start of a spec, over a field.
@@ -199,14 +216,9 @@ pub fn follow(
             format!("the orbit is outside the range from {} to {}", number(low), number(high));
         return Err(Invalid::new(way.over.path(), number(value), rule));
     }
-    let family = Family::of_one(spec, periods)?;
-    with_member!(&family.member, |it| followed(
-        spec,
-        it,
-        (periods, symmetric),
-        (way, value),
-        tracker
-    ))
+    let family = Family::new(spec, None, periods)?;
+    let shape = (periods, symmetric);
+    with_member!(&family.member, |it| followed((spec, &family), it, shape, (way, value), tracker))
 }
 
 fn along<'a>(way: &Way, Tracker { cancel, done }: Tracker<'a>) -> Along<'a> {
@@ -215,7 +227,7 @@ fn along<'a>(way: &Way, Tracker { cancel, done }: Tracker<'a>) -> Along<'a> {
 }
 
 fn followed<S: OfMember + Coordinates + Clone>(
-    spec: &Spec,
+    (spec, family): (&Spec, &Family),
     trajectory: &Trajectory<S>,
     (periods, symmetric): (u32, bool),
     (way, value): (&Way, f64),
@@ -226,13 +238,14 @@ fn followed<S: OfMember + Coordinates + Clone>(
         Err(Missed::Invalid(invalid)) => return Err(invalid),
         Err(missed) => return Ok(Err(NoBranch::Missed(missed))),
     };
-    let (chain, unknowns) = match Chain::of(&orbit, periods) {
-        Ok(both) => both,
-        Err(NoChain::NoImpacts | NoChain::NotSymmetric) => return Ok(Err(NoBranch::Lost)),
-    };
-    let slots = [way.over];
+    let (slots, along) = ([way.over], along(way, tracker));
     let scenes = scenes::<S>(spec, &slots);
-    let branch = branch::follow(&scenes, (&chain, &unknowns), value, along(way, tracker));
+    let branch = if family.has_chain() {
+        let chain = Chain::of(&orbit, periods).ok();
+        chain.and_then(|(chain, at)| branch::follow(&scenes, (&chain, &at), value, along))
+    } else {
+        shooting::follow(&scenes, (&orbit, periods), value, along)
+    };
     let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
     Ok(followed.ok_or(NoBranch::Lost))
 }
@@ -244,7 +257,7 @@ fn special(condition: Condition, value: f64, unknowns: &[f64]) -> SpecialPoint {
         value,
         length: 0.0,
         unknowns: unknowns.to_vec(),
-        multipliers: [none; 4],
+        multipliers: vec![none],
         half_multipliers: None,
         amplitude: f64::NAN,
         margin: f64::NAN,
@@ -282,7 +295,12 @@ pub fn switch(
     let point = special(begin.condition, begin.value, &begin.unknowns);
     let branch = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &slots);
-        branch::switch(&scenes, &begin.chain, &point, along(way, tracker))
+        let Chain { symmetric, cycles, .. } = begin.chain;
+        if family.has_chain() {
+            branch::switch(&scenes, &begin.chain, &point, along(way, tracker))
+        } else {
+            shooting::switch(&scenes, (symmetric, cycles), &point, along(way, tracker))
+        }
     });
     let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
     Ok(followed.ok_or(NoBranch::Lost))
@@ -309,11 +327,16 @@ pub fn orbit_at(
     cancel: &AtomicBool,
 ) -> Result<Result<Found, Missed>, Invalid> {
     let spec = changed(spec, &[over], &[value])?;
-    let family = Family::of_one(&spec, chain.cycles)?;
+    let family = Family::new(&spec, None, chain.cycles)?;
     Ok(with_member!(&family.member, |it| {
-        chain
-            .orbit(&it.system, family.period, unknowns, it.cycle.begin)
-            .and_then(|orbit| told(&family, it.cycle.begin, (&orbit, chain.cycles), Some(cancel)))
+        let begin = it.cycle.begin;
+        let orbit = if family.has_chain() {
+            chain.orbit(&it.system, family.period, unknowns, begin)
+        } else {
+            let cycle = (family.period, chain.cycles);
+            shooting::orbit(&it.system, cycle, (unknowns, chain.symmetric), begin)
+        };
+        orbit.and_then(|orbit| told(&family, begin, (&orbit, chain.cycles), Some(cancel)))
     }))
 }
 
@@ -367,7 +390,12 @@ pub fn follow_curve(
     };
     let found = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &way.over);
-        curve::curve(&scenes, &begin.chain, &point, values, along)
+        let Chain { symmetric, cycles, .. } = begin.chain;
+        if family.has_chain() {
+            curve::curve(&scenes, &begin.chain, &point, values, along)
+        } else {
+            shooting::curve(&scenes, (symmetric, cycles), &point, values, along)
+        }
     });
     Ok(found.map(|SpecialCurve { points, ends, missed, .. }| Curved { points, ends, missed }))
 }

@@ -1,5 +1,7 @@
 //! One cycle of an orbit, in the user's units.
 
+use std::sync::Arc;
+
 use iva_core::absorber::{Angle, Point};
 use iva_core::error::Invalid;
 use iva_core::impact::Impact;
@@ -8,6 +10,8 @@ use iva_core::orbit::description::Description;
 use iva_core::sample::State;
 
 use super::family::Family;
+use crate::design::Spec;
+use crate::fields::FieldId;
 use crate::units::Scale;
 
 /// One cycle of an orbit from the phase of the drive at the start on, in the user's units.
@@ -29,6 +33,39 @@ impl Course {
     /// The state of the first absorber.
     pub fn state(&self) -> &State {
         &self.states[0]
+    }
+
+    /// The scene with its start at that phase.
+    ///
+    /// # Errors
+    /// [`Invalid`] if the scene does not take the numbers.
+    pub fn begun(&self, spec: &Spec) -> Result<Spec, Invalid> {
+        let mut spec = spec.clone();
+        match (&self.modes, spec.structure()) {
+            (Some(modes), Some(structure)) => {
+                let begun = structure.begun_at(modes)?;
+                spec = spec.with_structure(Arc::new(begun));
+            }
+            _ => {
+                spec.replace(FieldId::Displacement, self.state().displacement)?;
+                spec.replace(FieldId::Velocity, self.state().velocity)?;
+            }
+        }
+        spec.clear(FieldId::GapDisplacement.into());
+        spec.clear(FieldId::GapVelocity.into());
+        let angle = |of: fn(Angle) -> f64| self.states.iter().map(|it| it.angle.map(of)).collect();
+        let gap = |of: fn(&State) -> f64| self.states.iter().map(of).collect::<Vec<f64>>();
+        let angles: [Option<Vec<f64>>; 2] = [angle(|it| it.value), angle(|it| it.rate)];
+        let [(place, at), (rate, with)] = match angles {
+            [Some(at), Some(with)] => [(FieldId::Angle, at), (FieldId::AngularVelocity, with)],
+            _ => [
+                (FieldId::GapDisplacement, gap(|it| it.gap_displacement)),
+                (FieldId::GapVelocity, gap(|it| it.gap_velocity)),
+            ],
+        };
+        spec.set_starts(place, &at)?;
+        spec.set_starts(rate, &with)?;
+        Ok(spec)
     }
 }
 

@@ -132,20 +132,10 @@ macro_rules! with_member {
 pub(crate) use with_member;
 
 impl Family {
-    /// The system of a spec of one absorber on one mode, with a cycle of so many periods of its drive.
-    ///
-    /// # Errors
-    /// As [`Family::new`], or if four numbers do not tell its state.
-    pub fn of_one(spec: &Spec, periods: u32) -> Result<Self, Invalid> {
-        if spec.structure().is_some() {
-            let rule = "branches are those of an absorber on one mode; give [primary] in its place";
-            return Err(Invalid::new("structure", "several modes", rule));
-        }
-        let family = Self::new(spec, None, periods)?;
-        if let Member::System(trajectory) = &family.member {
-            trajectory.system.check_single()?;
-        }
-        Ok(family)
+    /// True if its orbits are chains of impacts of one absorber on one mode: without friction, which may hold it.
+    pub fn has_chain(&self) -> bool {
+        let rubs = |field| self.spec.get(field).is_some_and(|value| value != 0.0);
+        !self.is_several() && ![FieldId::Friction, FieldId::StaticFriction].into_iter().any(rubs)
     }
 
     /// The system of a spec with a cycle of so many periods of its drive; `at` is the value of a field that takes the place

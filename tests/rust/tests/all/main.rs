@@ -10,6 +10,7 @@ mod basins;
 mod bodies;
 mod bouncing_ball;
 mod branches;
+mod branches_by_shooting;
 mod broken_law;
 mod closed_forms;
 mod continued;

@@ -128,8 +128,8 @@ impl<S: Coordinates> Follower<'_, S> {
     fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
         let kind = condition.kind();
         // Two real multipliers whose product is 1 are no special point.
-        let own = at.half_multipliers.unwrap_or(at.multipliers);
-        let is_one = kind != Kind::NeimarkSacker || turns(&own);
+        let own = at.half_multipliers.as_ref().unwrap_or(&at.multipliers);
+        let is_one = kind != Kind::NeimarkSacker || turns(own);
         let [low, high] = self.along.between;
         (is_one && (low..=high).contains(&at.value)).then_some(SpecialPoint { condition, at })
     }

@@ -101,6 +101,7 @@ fn begun<S: Coordinates>(
         }
         Condition::ImpactVanishes { .. } | Condition::StickBegins { .. } => None,
         Condition::Fold | Condition::NeimarkSacker => None,
+        Condition::ImpactsCoincide | Condition::SlideChanges => None,
     }
 }
 
@@ -189,5 +190,5 @@ pub fn switch<S: Coordinates>(
         _ => End::Origin,
     };
     let chain = family.chain;
-    Some(Branch { chain, points, special: found, ends: [begin, end] })
+    Some(Branch { chain, sequence: None, points, special: found, ends: [begin, end] })
 }
