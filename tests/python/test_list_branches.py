@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,37 @@ def test_what_cannot_be_followed_says_so() -> None:
         dynamics.follow(orbit, over="clearance", between=(0.4, 0.9))
     with pytest.raises(ValueError, match=r"absorber\.1\.clearance = 0\.8: the orbit is outside"):
         dynamics.follow(orbit, over="absorber.1.clearance", between=(0.4, 0.7))
+
+
+def test_friction_is_followed_from_none_on() -> None:
+    """At the end without friction the orbit is that of the same mass without."""
+    mass = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5, friction=0.0, gravity=1.0)
+    start = (0, 0, 0, 0.1)
+    first = dynamics.orbit(mass, FAMILY, force=PUSHED, start=start, settle=200)
+    assert isinstance(first, dynamics.Orbit), first
+    made = dynamics.follow(first, over="friction", between=(0.0, 0.05), step=0.2)
+    assert isinstance(made, dynamics.Branch), made
+    assert made.ends == ("range", "range")
+    for index, friction in ((0, 0.0), (-1, 0.05)):
+        orbit = made.orbit(index)
+        assert isinstance(orbit, dynamics.Orbit), orbit
+        assert orbit.absorber == replace(mass, friction=friction)
+        end = orbit.run().state_at(orbit.period)
+        assert end.displacement == pytest.approx(orbit.start.displacement, abs=1e-9)
+    assert made.rows[0].amplitude == pytest.approx(first.amplitude, rel=1e-12)
+    assert made.rows[-1].amplitude != pytest.approx(first.amplitude, rel=1e-3)
+    plain = replace(mass, friction=None, gravity=None)
+    other = dynamics.orbit(plain, FAMILY, force=PUSHED, start=start, settle=200)
+    assert isinstance(other, dynamics.Orbit), other
+    branch = dynamics.follow(other, over="clearance", between=(4.0, 5.0))
+    assert isinstance(branch, dynamics.Branch), branch
+    over, ranges = ("clearance", "friction"), ((4.0, 5.0), (0.0, 0.1))
+    with pytest.raises(ValueError, match="friction"):
+        dynamics.curve(branch.points[0], over=over, between=ranges)
+    with pytest.raises(ValueError, match=r"absorber\.x\.mass_ratio"):
+        dynamics.curve(
+            branch.points[0], over=("clearance", "absorber.x.mass_ratio"), between=ranges
+        )
 
 
 STUDY = """version = 1

@@ -32,6 +32,8 @@ pub struct Spec {
     of_units: BTreeMap<(FieldId, usize, usize), f64>,
     /// The structure with several modes that takes the place of the primary, if one is given.
     structure: Option<Arc<Structure>>,
+    /// True if a single absorber is a system of members, too.
+    one_system: bool,
 }
 
 /// A value for each field.
@@ -74,6 +76,7 @@ impl Spec {
             more: Vec::new(),
             of_units: BTreeMap::new(),
             structure: None,
+            one_system: false,
         }
     }
 
@@ -165,6 +168,16 @@ impl Spec {
     /// The structure with several modes, if one is given.
     pub fn structure(&self) -> Option<&Arc<Structure>> {
         self.structure.as_ref()
+    }
+
+    /// The same, of which a single absorber is a system of members whatever terms it has: one kind for a term that vanishes.
+    pub(crate) fn in_one_system(self) -> Self {
+        Self { one_system: true, ..self }
+    }
+
+    /// True if a single absorber is such a system.
+    pub(crate) fn is_one_system(&self) -> bool {
+        self.one_system
     }
 
     /// Number of absorbers; 1 for a structure without absorber as well.

@@ -39,13 +39,14 @@ class Scene:
         """
         place, _, plain = name.rpartition(".")
         place, _, number = place.partition(".")
-        index = int(number) if number else None
+        index = int(number) if number.isdecimal() else None
         # Which of several forces has it, a name does not say.
         known = ("absorber", "primary") + (("force",) if isinstance(self.force, Harmonic) else ())
         for key in known:
             part = getattr(self, key)
             parts = part if isinstance(part, (list, tuple)) else [part]
-            if place in ("", key) and any(has(one, plain) for one in parts[index:]):
+            chosen = parts if index is None else parts[index : index + 1]
+            if place in ("", key) and any(has(one, plain) for one in chosen):
                 return key, index, plain
         raise ValueError(f"{name}: no such number of the absorber, the primary system or the force")
 

@@ -102,6 +102,11 @@ pub(super) fn flown<S: Coordinates>(
 }
 
 impl Chain {
+    /// True if it tells an orbit; one without impacts stands for those of [`shooting`](super::branch::shooting).
+    pub fn tells(&self) -> bool {
+        !self.walls.is_empty()
+    }
+
     /// Number of impacts until the motion repeats; a stick episode counts as one.
     pub fn impacts(&self) -> usize {
         self.walls.len() * if self.symmetric { 2 } else { 1 }

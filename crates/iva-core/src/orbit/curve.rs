@@ -229,7 +229,7 @@ pub fn curve<S: Coordinates>(
     along: AlongCurve<'_>,
 ) -> Option<SpecialCurve> {
     let condition = special.condition;
-    if chain.walls.is_empty() || condition.kind() == Kind::StickBegins {
+    if !chain.tells() || condition.kind() == Kind::StickBegins {
         return None;
     }
     let ranges = along.between.map(|[low, high]| high - low);

@@ -14,6 +14,7 @@ use iva_core::orbit::{Coordinates, Trajectory};
 use super::family::{Family, OfMember, changeable, middled, with_member};
 use super::{Found, Missed, Tracker, told};
 use crate::design::Spec;
+use crate::fields::FieldId;
 use crate::slot::Slot;
 
 pub use iva_core::absorber::Wall;
@@ -93,7 +94,7 @@ pub enum NoBranch {
 
 /// The scene with other values of some fields, and the absorber in the middle of its gap, where it fits any clearance.
 fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid> {
-    let mut spec = spec.clone();
+    let mut spec = rubbing(spec, slots);
     for (slot, value) in slots.iter().zip(values) {
         spec.replace(*slot, *value)?;
     }
@@ -114,6 +115,17 @@ fn scenes<'a, S: OfMember>(
         let other = || Invalid::missing("absorber", "give one of the kind of the orbit");
         Ok((S::of(member).ok_or_else(other)?.system, period))
     }
+}
+
+/// True if a field is one of friction, which no chain of impacts has.
+fn is_friction(slot: Slot) -> bool {
+    matches!(slot.field, FieldId::Friction | FieldId::StaticFriction)
+}
+
+/// The scene as one in which something rubs at all values of these fields, be it with no friction.
+fn rubbing(spec: &Spec, slots: &[Slot]) -> Spec {
+    let spec = spec.clone();
+    if slots.iter().copied().any(is_friction) { spec.in_one_system() } else { spec }
 }
 
 /// Checks fields and their ranges.
@@ -216,7 +228,7 @@ pub fn follow(
             format!("the orbit is outside the range from {} to {}", number(low), number(high));
         return Err(Invalid::new(way.over.path(), number(value), rule));
     }
-    let family = Family::new(spec, None, periods)?;
+    let family = Family::new(&rubbing(spec, &slots), None, periods)?;
     let shape = (periods, symmetric);
     with_member!(&family.member, |it| followed((spec, &family), it, shape, (way, value), tracker))
 }
@@ -240,7 +252,8 @@ fn followed<S: OfMember + Coordinates + Clone>(
     };
     let (slots, along) = ([way.over], along(way, tracker));
     let scenes = scenes::<S>(spec, &slots);
-    let branch = if family.has_chain() {
+    // Where friction is what changes, there is some along the branch.
+    let branch = if family.has_chain() && !is_friction(way.over) {
         let chain = Chain::of(&orbit, periods).ok();
         chain.and_then(|(chain, at)| branch::follow(&scenes, (&chain, &at), value, along))
     } else {
@@ -296,7 +309,7 @@ pub fn switch(
     let branch = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &slots);
         let Chain { symmetric, cycles, .. } = begin.chain;
-        if family.has_chain() {
+        if begin.chain.tells() {
             branch::switch(&scenes, &begin.chain, &point, along(way, tracker))
         } else {
             shooting::switch(&scenes, (symmetric, cycles), &point, along(way, tracker))
@@ -330,7 +343,7 @@ pub fn orbit_at(
     let family = Family::new(&spec, None, chain.cycles)?;
     Ok(with_member!(&family.member, |it| {
         let begin = it.cycle.begin;
-        let orbit = if family.has_chain() {
+        let orbit = if chain.tells() {
             chain.orbit(&it.system, family.period, unknowns, begin)
         } else {
             let cycle = (family.period, chain.cycles);
@@ -378,6 +391,10 @@ pub fn follow_curve(
     tracker: Tracker<'_>,
 ) -> Result<Option<Curved>, Invalid> {
     check(spec, &way.over, &way.between)?;
+    if let Some(slot) = way.over.iter().find(|it| begin.chain.tells() && is_friction(**it)) {
+        let rule = "the branch of this point is one without friction; give another number";
+        return Err(Invalid::new("over", slot.path(), rule));
+    }
     let family = family_at(spec, &way.over, &values)?;
     let point = special(begin.condition, begin.value, &begin.unknowns);
     let along = AlongCurve {
@@ -391,7 +408,7 @@ pub fn follow_curve(
     let found = with_member!(&family.member, |it| {
         let scenes = scenes_like(it, spec, &way.over);
         let Chain { symmetric, cycles, .. } = begin.chain;
-        if family.has_chain() {
+        if begin.chain.tells() {
             curve::curve(&scenes, &begin.chain, &point, values, along)
         } else {
             shooting::curve(&scenes, (symmetric, cycles), &point, values, along)

@@ -104,7 +104,8 @@ pub(super) fn needed<R: Real>(given: &Given<'_, R>) -> bool {
                 Kind::None => false,
             }
     };
-    ties::given(given).is_some()
+    given.spec.is_one_system()
+        || ties::given(given).is_some()
         || (0..given.spec.count()).any(|absorber| needs(given.of(absorber)))
 }
 
