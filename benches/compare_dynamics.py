@@ -172,28 +172,50 @@ def orbits_of_pairs(run: Integrator) -> None:
     line("the same of two masses", ours, timed(by_hand))
 
 
+def along(run: Integrator, start: np.ndarray, values: np.ndarray) -> None:
+    """Follow an orbit over the parameter by hand, one value after the other, with multipliers."""
+    state = start
+    for value in values:
+
+        def off(at: np.ndarray, given: float = value) -> np.ndarray:
+            return mapped(run, at, given) - at
+
+        state = fsolve(off, state, xtol=1e-13)
+        image = mapped(run, state, value)
+        moved = [mapped(run, state + 1e-6 * unit, value) for unit in np.eye(len(state))]
+        np.linalg.eigvals(np.array([(one - image) / 1e-6 for one in moved]).T)
+
+
 def branches(run: Integrator, values: int) -> None:
-    """Follow that orbit over the clearance, one value after the other."""
+    """Follow that orbit over the clearance."""
     start = settled(run, 300)
     first = dynamics.orbit(siva(), PRIMARY, force=FORCE, start=start.tolist())
     assert isinstance(first, dynamics.Orbit)
 
-    def by_hand() -> None:
-        state = start
-        for clearance in np.linspace(4.5, 6.5, values):
+    def followed() -> dynamics.Branch:
+        found = dynamics.follow(first, over="clearance", between=(4.5, 6.5))
+        assert isinstance(found, dynamics.Branch)
+        return found
 
-            def off(at: np.ndarray, d: float = clearance) -> np.ndarray:
-                return mapped(run, at, d) - at
+    hand = timed(lambda: along(run, start, np.linspace(4.5, 6.5, values)), 1) / values
+    line("a point of a branch", timed(followed) / len(followed().rows), hand)
 
-            state = fsolve(off, state, xtol=1e-13)
-            image = mapped(run, state, clearance)
-            moved = [mapped(run, state + 1e-6 * unit, clearance) for unit in np.eye(4)]
-            np.linalg.eigvals(np.array([(one - image) / 1e-6 for one in moved]).T)
 
-    found = dynamics.follow(first, over="clearance", between=(4.5, 6.5))
-    assert isinstance(found, dynamics.Branch)
-    ours = timed(lambda: dynamics.follow(first, over="clearance", between=(4.5, 6.5)))
-    line("a point of a branch", ours / len(found.rows), timed(by_hand, 1) / values)
+def branches_of_pairs(run: Integrator, values: int) -> None:
+    """Follow an orbit of two masses over the force."""
+    masses = [siva(clearance, PAIR_OF_BASIN[0]) for clearance in PAIR_OF_BASIN[1]]
+    begin = iva.Start(gap_velocity=[0.1, 0.2])
+    first = dynamics.orbit(masses, PRIMARY, force=FORCE, start=begin, settle=600)
+    assert isinstance(first, dynamics.Orbit), first
+
+    def followed() -> dynamics.Branch:
+        found = dynamics.follow(first, over="force.amplitude", between=(1.0, 1.1))
+        assert isinstance(found, dynamics.Branch), found
+        return found
+
+    start, forces = np.array(first.state), np.linspace(1.0, 1.1, values)
+    hand = timed(lambda: along(run, start, forces), 1) / values
+    line("the same of two masses", timed(followed) / len(followed().rows), hand)
 
 
 def diagrams(run: Integrator, values: int) -> None:
@@ -282,6 +304,7 @@ def main() -> None:
     orbits(run)
     orbits_of_pairs(of_pair(PAIR))
     branches(run, 40 // share)
+    branches_of_pairs(of_pair(PAIR_OF_BASIN), 40 // share)
     diagrams(run, 20 // share)
     basins(batch, 40 // share)
     basins_of_pairs(of_pair(PAIR_OF_BASIN, 4), 20 // share)
