@@ -8,6 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 use crate::absorber::{Absorber, LawAt};
 
 pub(crate) mod lists;
+pub(crate) mod maps;
 pub(crate) mod masses;
 pub(crate) mod piva;
 mod siva;

@@ -55,6 +55,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::DMatrix;
+
 use crate::absorber::Wall;
 use crate::absorber::derivatives::masses::LinearStructure;
 use crate::absorber::siva::FreeMass;
@@ -179,6 +181,8 @@ pub struct Modal<H: Host, const N: usize = MOST, const M: usize = MOST_MODES> {
     leaps: OnceLock<Leaps<H::Real>>,
     /// What small differences obey, of systems of which it is the same in all states; made when a derivative is first asked for.
     differences: OnceLock<Box<LinearStructure>>,
+    /// The derivative of all variables by the numbers of a state; made when it is first asked for.
+    by_numbers: OnceLock<Box<(DMatrix<f64>, Vec<usize>)>>,
 }
 
 impl<R: Real> Modal<UndrivenHost<R>> {
@@ -261,6 +265,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             reach: R::ZERO,
             leaps: OnceLock::new(),
             differences: OnceLock::new(),
+            by_numbers: OnceLock::new(),
         };
         let modal = modal.completed();
         modal.check_stops().map(|()| modal)
@@ -333,6 +338,7 @@ impl<R: Real, const N: usize, const M: usize> Modal<UndrivenHost<R>, N, M> {
             reach: R::ZERO,
             leaps: OnceLock::new(),
             differences: OnceLock::new(),
+            by_numbers: OnceLock::new(),
         };
         Ok(driven.completed())
     }
@@ -379,6 +385,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         self.reach = R::from(equations::LONGEST * R::STEP) / self.whole.growth().max(drive);
         self.leaps = OnceLock::new();
         self.differences = OnceLock::new();
+        self.by_numbers = OnceLock::new();
         self
     }
 

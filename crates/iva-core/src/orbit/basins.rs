@@ -13,6 +13,7 @@ use nalgebra::DMatrix;
 use super::coordinates::Strobe;
 use super::neighbourhood::Neighbourhood;
 use super::{Image, Iterated, Request, Trajectory, iterate};
+use crate::absorber::derivatives::maps::{by_matrix, carry_covariance};
 use crate::engine::simulate::Outcome;
 use crate::error::Invalid;
 
@@ -89,7 +90,7 @@ impl<T: Strobe> Way<T> {
         let (Outcome::Finished, Some(tangent)) = (image.outcome, &image.tangent) else {
             return true;
         };
-        self.covariance = &tangent.matrix * &self.covariance * tangent.matrix.transpose();
+        carry_covariance(&mut self.covariance, &mut by_matrix(&tangent.matrix));
         for i in 0..self.covariance.ncols() {
             self.covariance[(i, i)] += ROUNDING * ROUNDING;
         }

@@ -6,12 +6,12 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::{Invalid, number};
+use iva_core::orbit::Trajectory;
 use iva_core::orbit::branch::{self, Along, Branch, BranchPoint, SpecialPoint, shooting};
 use iva_core::orbit::curve::{self, AlongCurve, CurvePoint, SpecialCurve};
 use iva_core::orbit::periodic::find;
-use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::family::{Family, OfMember, changeable, middled, with_member};
+use super::family::{Family, Member, OfMember, changeable, middled, with_member};
 use super::{Found, Missed, Tracker, told};
 use crate::design::Spec;
 use crate::fields::FieldId;
@@ -105,8 +105,9 @@ fn family_at(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Family, Inva
     Family::new(&changed(spec, slots, values)?, None, 1)
 }
 
-/// The scenes of a spec at values of some fields: the system, and the period of its drive.
-fn scenes<'a, S: OfMember>(
+/// The scenes of a spec at values of some fields, of the kind of a trajectory: the system, and the period of its drive.
+fn scenes_like<'a, S: OfMember>(
+    _like: &Trajectory<S>,
     spec: &'a Spec,
     slots: &'a [Slot],
 ) -> impl Fn(&[f64]) -> Result<(S, f64), Invalid> + 'a {
@@ -229,38 +230,43 @@ pub fn follow(
         return Err(Invalid::new(way.over.path(), number(value), rule));
     }
     let family = Family::new(&rubbing(spec, &slots), None, periods)?;
-    let shape = (periods, symmetric);
-    with_member!(&family.member, |it| followed((spec, &family), it, shape, (way, value), tracker))
+    let along = along(way, tracker);
+    let found = |missed: Missed| match missed {
+        Missed::Invalid(invalid) => Err(invalid),
+        missed => Ok(Err(NoBranch::Missed(missed))),
+    };
+    // Where friction is what changes, there is some along the branch.
+    let branch = match &family.member {
+        Member::System(it) if is_friction(way.over) || !family.has_chain() => {
+            let orbit = find(it, symmetric, Some(tracker.cancel));
+            let scenes = scenes_like(it, spec, &slots);
+            orbit.map(|orbit| shooting::follow(&scenes, (&orbit, periods), value, along))
+        }
+        member => with_member!(member, |it| {
+            let orbit = find(it, symmetric, Some(tracker.cancel));
+            orbit.map(|orbit| {
+                let (chain, at) = Chain::of(&orbit, periods).ok()?;
+                let scenes = scenes_like(it, spec, &slots);
+                branch::follow(&scenes, (&chain, &at), value, along)
+            })
+        }),
+    };
+    branch.map_or_else(found, |branch| told_of(spec, &slots, branch))
+}
+
+/// What is told of a branch.
+fn told_of(
+    spec: &Spec,
+    slots: &[Slot],
+    branch: Option<Branch>,
+) -> Result<Result<Followed, NoBranch>, Invalid> {
+    let followed = branch.map(|it| Followed::new(spec, slots, &it)).transpose()?;
+    Ok(followed.ok_or(NoBranch::Lost))
 }
 
 fn along<'a>(way: &Way, Tracker { cancel, done }: Tracker<'a>) -> Along<'a> {
     let Way { between, longest, most_points, .. } = *way;
     Along { between, most_points, longest, cancel: Some(cancel), done: Some(done) }
-}
-
-fn followed<S: OfMember + Coordinates + Clone>(
-    (spec, family): (&Spec, &Family),
-    trajectory: &Trajectory<S>,
-    (periods, symmetric): (u32, bool),
-    (way, value): (&Way, f64),
-    tracker: Tracker<'_>,
-) -> Result<Result<Followed, NoBranch>, Invalid> {
-    let orbit = match find(trajectory, symmetric, Some(tracker.cancel)) {
-        Ok(orbit) => orbit,
-        Err(Missed::Invalid(invalid)) => return Err(invalid),
-        Err(missed) => return Ok(Err(NoBranch::Missed(missed))),
-    };
-    let (slots, along) = ([way.over], along(way, tracker));
-    let scenes = scenes::<S>(spec, &slots);
-    // Where friction is what changes, there is some along the branch.
-    let branch = if family.has_chain() && !is_friction(way.over) {
-        let chain = Chain::of(&orbit, periods).ok();
-        chain.and_then(|(chain, at)| branch::follow(&scenes, (&chain, &at), value, along))
-    } else {
-        shooting::follow(&scenes, (&orbit, periods), value, along)
-    };
-    let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
-    Ok(followed.ok_or(NoBranch::Lost))
 }
 
 /// A special point as the core knows it.
@@ -306,26 +312,17 @@ pub fn switch(
     check(spec, &slots, &[way.between])?;
     let family = family_at(spec, &slots, &[begin.value])?;
     let point = special(begin.condition, begin.value, &begin.unknowns);
-    let branch = with_member!(&family.member, |it| {
-        let scenes = scenes_like(it, spec, &slots);
-        let Chain { symmetric, cycles, .. } = begin.chain;
-        if begin.chain.tells() {
-            branch::switch(&scenes, &begin.chain, &point, along(way, tracker))
-        } else {
-            shooting::switch(&scenes, (symmetric, cycles), &point, along(way, tracker))
+    let (chain, along) = (&begin.chain, along(way, tracker));
+    let branch = match &family.member {
+        Member::System(it) if !chain.tells() => {
+            let shape = (chain.symmetric, chain.cycles);
+            shooting::switch(&scenes_like(it, spec, &slots), shape, &point, along)
         }
-    });
-    let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
-    Ok(followed.ok_or(NoBranch::Lost))
-}
-
-/// [`scenes`] of the kind of a trajectory.
-fn scenes_like<'a, S: OfMember>(
-    _like: &Trajectory<S>,
-    spec: &'a Spec,
-    slots: &'a [Slot],
-) -> impl Fn(&[f64]) -> Result<(S, f64), Invalid> + 'a {
-    scenes::<S>(spec, slots)
+        member => with_member!(member, |it| {
+            branch::switch(&scenes_like(it, spec, &slots), chain, &point, along)
+        }),
+    };
+    told_of(spec, &slots, branch)
 }
 
 /// The orbit at a point of a branch.
@@ -341,16 +338,20 @@ pub fn orbit_at(
 ) -> Result<Result<Found, Missed>, Invalid> {
     let spec = changed(spec, &[over], &[value])?;
     let family = Family::new(&spec, None, chain.cycles)?;
-    Ok(with_member!(&family.member, |it| {
-        let begin = it.cycle.begin;
-        let orbit = if chain.tells() {
-            chain.orbit(&it.system, family.period, unknowns, begin)
-        } else {
-            let cycle = (family.period, chain.cycles);
-            shooting::orbit(&it.system, cycle, (unknowns, chain.symmetric), begin)
-        };
-        orbit.and_then(|orbit| told(&family, begin, (&orbit, chain.cycles), Some(cancel)))
-    }))
+    let (period, cycles) = (family.period, chain.cycles);
+    Ok(match &family.member {
+        Member::System(it) if !chain.tells() => {
+            let begin = it.cycle.begin;
+            let shape = (unknowns, chain.symmetric);
+            let orbit = shooting::orbit(&it.system, (period, cycles), shape, begin);
+            orbit.and_then(|orbit| told(&family, begin, (&orbit, cycles), Some(cancel)))
+        }
+        member => with_member!(member, |it| {
+            let begin = it.cycle.begin;
+            let orbit = chain.orbit(&it.system, period, unknowns, begin);
+            orbit.and_then(|orbit| told(&family, begin, (&orbit, cycles), Some(cancel)))
+        }),
+    })
 }
 
 /// How a curve is followed.
@@ -405,14 +406,15 @@ pub fn follow_curve(
         cancel: Some(tracker.cancel),
         done: Some(tracker.done),
     };
-    let found = with_member!(&family.member, |it| {
-        let scenes = scenes_like(it, spec, &way.over);
-        let Chain { symmetric, cycles, .. } = begin.chain;
-        if begin.chain.tells() {
-            curve::curve(&scenes, &begin.chain, &point, values, along)
-        } else {
-            shooting::curve(&scenes, (symmetric, cycles), &point, values, along)
+    let chain = &begin.chain;
+    let found = match &family.member {
+        Member::System(it) if !chain.tells() => {
+            let shape = (chain.symmetric, chain.cycles);
+            shooting::curve(&scenes_like(it, spec, &way.over), shape, &point, values, along)
         }
-    });
+        member => with_member!(member, |it| {
+            curve::curve(&scenes_like(it, spec, &way.over), chain, &point, values, along)
+        }),
+    };
     Ok(found.map(|SpecialCurve { points, ends, missed, .. }| Curved { points, ends, missed }))
 }

@@ -4,6 +4,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::maps::Map;
 use crate::absorber::Absorber;
 
 /// The end of a motion, as its rounding errors see it.
@@ -33,10 +34,10 @@ pub trait DifferentiableList: Absorber<Real = f64> {
     fn derivative_at_begin(&self) -> DMatrix<f64>;
 
     /// The derivative of all variables by the numbers of a state that are independent, and the indices of these.
-    fn by_numbers(&self) -> (DMatrix<f64>, Vec<usize>);
+    fn by_numbers(&self) -> &(DMatrix<f64>, Vec<usize>);
 
     /// [`DifferentiableList::flow`] to some twelve digits.
-    fn fine_flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64>;
+    fn fine_flow<'a>(&'a self, from: &Self::State, carried: &'a [bool], h: f64) -> Map<'a>;
 
     /// Which absorbers the structure carries along in a state; `sticks`: the one at hand has come to rest on its wall.
     fn carried(&self, state: &Self::State, sticks: bool) -> Vec<bool>;
@@ -45,7 +46,7 @@ pub trait DifferentiableList: Absorber<Real = f64> {
     fn rates(&self, state: &Self::State, carried: &[bool]) -> DVector<f64>;
 
     /// The derivative of a motion of length h in which these absorbers are carried.
-    fn flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64>;
+    fn flow<'a>(&'a self, from: &Self::State, carried: &'a [bool], h: f64) -> Map<'a>;
 
     /// Sizes of the numbers that a motion rounds independently, for each variable.
     fn roundings(&self, moved: &Moved<'_, Self::State>) -> DVector<f64>;
@@ -69,15 +70,15 @@ pub trait DifferentiableList: Absorber<Real = f64> {
 
     /// The derivative of the state after an impact of these absorbers, between two states, with respect to that before, at a
     /// fixed instant; `carried` before and after it.
-    fn impact_matrix(
-        &self,
+    fn impact_map<'a>(
+        &'a self,
         struck: &[usize],
         states: [&Self::State; 2],
-        carried: [&[bool]; 2],
-    ) -> DMatrix<f64>;
+        carried: [&'a [bool]; 2],
+    ) -> Map<'a>;
 
     /// The derivative of the state after the absorber at hand has come to rest on its wall; `carried` with it.
-    fn stick_matrix(&self, state: &Self::State, carried: &[bool]) -> DMatrix<f64>;
+    fn stick_map(&self, state: &Self::State, carried: &[bool]) -> Map<'_>;
 
     /// How long the rebounds of the chatter of the absorber at hand last that begin in a state, by the first of them.
     fn tail(&self, after: &Self::State) -> f64;
@@ -100,4 +101,24 @@ pub(crate) fn tail_of<S: Absorber<Real = f64> + ?Sized>(system: &S, after: &S::S
     let back = system.back(after);
     let slower = back.map_or(1.0, |back| (back.pressure / leave.curvature.abs()).sqrt());
     out * (1.0 + 1.0 / slower) / (1.0 - law.rebound * slower)
+}
+
+/// The derivative where the member at hand begins to slide in a state: where rates jump, the saltation matrix.
+pub(crate) fn slip<'a, S: DifferentiableList>(
+    system: &S,
+    state: &S::State,
+    carried: &[bool],
+) -> Map<'a> {
+    let Some(gradient) = system.slip_gradient(state, carried) else { return Box::new(|_| ()) };
+    let after = system.rates(state, &system.carried(state, false));
+    let moved = system.rates(state, carried) - after;
+    Box::new(move |it| {
+        let late = gradient.iter().zip(&*it).map(|(by, own)| by * own).sum();
+        add(it, late, &moved);
+    })
+}
+
+/// Adds a change so many times.
+pub(crate) fn add(it: &mut [f64], times: f64, change: &DVector<f64>) {
+    it.iter_mut().zip(change.iter()).for_each(|(own, change)| *own += times * change);
 }

@@ -120,14 +120,14 @@ impl LinearStructure {
     }
 
     /// The reciprocal of what moves with the point of a member: of all of it while it is carried, or of a part of a pendulum in flight.
-    fn moves(&self, k: usize, carried: &[bool]) -> Option<f64> {
+    pub(super) fn moves(&self, k: usize, carried: &[bool]) -> Option<f64> {
         let [inertia, _] = self.pulls[k].inertia;
         let part = (inertia > 0.0).then(|| 1.0 / inertia);
         if carried[k] { Some(self.lightness[k]) } else { part }
     }
 
     /// The inverse of M′, by adding one mass after another (J. Sherman and W. J. Morrison, Ann. Math. Stat. 21, 1950).
-    fn compliance(&self, moves: impl Fn(usize) -> Option<f64>) -> DMatrix<f64> {
+    pub(super) fn compliance(&self, moves: impl Fn(usize) -> Option<f64>) -> DMatrix<f64> {
         let n = self.coordinates();
         let mut inverse = DMatrix::identity(n, n);
         for (k, shape) in self.shapes.iter().enumerate() {
@@ -172,32 +172,8 @@ impl LinearStructure {
         jacobian
     }
 
-    /// The derivative of a motion of length h in which these masses are carried.
-    pub(in crate::absorber) fn flow(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
-        let n = self.coordinates();
-        let structure = self.flow_of_structure(carried, h);
-        let mut flow = DMatrix::identity(self.variables(), self.variables());
-        flow.view_mut((0, 0), (2 * n, 2 * n)).copy_from(&structure);
-        for (k, shape) in self.shapes.iter().enumerate() {
-            let [y, w] = self.of(k);
-            if carried[k] {
-                flow[(w, w)] = 0.0;
-                continue;
-            }
-            // y + φq moves uniformly.
-            let [moved, gained] = [0, n].map(|row| shape.transpose() * structure.rows(row, n));
-            for j in 0..n {
-                (flow[(y, j)], flow[(y, n + j)]) =
-                    (shape[j] - moved[j], h * shape[j] - moved[n + j]);
-                (flow[(w, j)], flow[(w, n + j)]) = (-gained[j], shape[j] - gained[n + j]);
-            }
-            flow[(y, w)] = h;
-        }
-        flow
-    }
-
     /// The derivative of (q, q̇) after a time h.
-    fn flow_of_structure(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
+    pub(super) fn flow_of_structure(&self, carried: &[bool], h: f64) -> DMatrix<f64> {
         let n = self.coordinates();
         let compliance = self.compliance(|k| self.moves(k, carried));
         if n == 1 {
@@ -215,10 +191,15 @@ impl LinearStructure {
 
     /// What q̇ gains by impulses at the points of some masses that change their gap velocities by −(1 + slope) per unit of the
     /// gap velocity of each of these, column by column, where others give way like this.
-    fn blows(&self, struck: &[(usize, f64)], compliance: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(super) fn blows(&self, struck: &[(usize, f64)], compliance: &DMatrix<f64>) -> DMatrix<f64> {
         // The impulses on the masses that have an impact, with the carried ones as part of the structure.
         let count = struck.len();
         let pushed: Vec<_> = struck.iter().map(|(k, _)| compliance * &self.shapes[*k]).collect();
+        if let ([(k, slope)], [pushed]) = (struck, pushed.as_slice()) {
+            let share = self.shapes[*k].dot(pushed) + self.lightness[*k];
+            let blow = pushed * (self.pulls[*k].lever * (1.0 + slope) / share);
+            return DMatrix::from_column_slice(self.coordinates(), 1, blow.as_slice());
+        }
         let mut matrix =
             DMatrix::from_fn(count, count, |i, j| self.shapes[struck[i].0].dot(&pushed[j]));
         for (i, (k, _)) in struck.iter().enumerate() {
@@ -238,7 +219,7 @@ impl LinearStructure {
 
     /// What q gains per y of a mass that comes to rest on its wall, as if it were moved there, and what q̇ gains per y by the
     /// dampers on the way; `carried` with that mass.
-    fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
+    pub(super) fn stick(&self, mass: usize, carried: &[bool]) -> [DVector<f64>; 2] {
         let others = |k: usize| if k == mass { None } else { self.moves(k, carried) };
         let pushed = self.compliance(others) * &self.shapes[mass];
         let whole = self.lightness[mass] + self.shapes[mass].dot(&pushed);
@@ -285,70 +266,5 @@ impl LinearStructure {
             sizes[w] = size(fastest[w], change, fast);
         }
         sizes
-    }
-
-    /// As [`super::lists::DifferentiableList::impact_matrix`], with the slope of the law of each that has an impact, and what q̇ gains.
-    pub(in crate::absorber) fn impact_matrix(
-        &self,
-        struck: &[(usize, f64)],
-        carried: [&[bool]; 2],
-        faster: &DVector<f64>,
-    ) -> DMatrix<f64> {
-        let (n, size) = (self.coordinates(), self.variables());
-        let [before, after] = carried;
-        let mut jump = DMatrix::identity(size, size);
-        for k in (0..after.len()).filter(|k| before[*k] && !after[*k]) {
-            let [_, w] = self.of(k);
-            jump[(w, w)] = 0.0;
-        }
-        let strikes = |j: usize| struck.iter().any(|(k, _)| *k == j);
-        let others = self.compliance(|k| if strikes(k) { None } else { self.moves(k, after) });
-        let blows = self.blows(struck, &others);
-        let flies = |j: &usize| !after[*j] && !strikes(*j);
-        for ((k, slope), gained) in struck.iter().zip(blows.column_iter()) {
-            let [_, w] = self.of(*k);
-            jump.view_mut((n, w), (n, 1)).copy_from(&gained);
-            for j in (0..after.len()).filter(flies) {
-                jump[(self.of(j)[1], w)] = -self.pulls[j].follows[0] * self.shapes[j].dot(&gained);
-            }
-            jump[(w, w)] = -slope;
-        }
-        // A pendulum in flight takes more or less of its mass along with its place.
-        let whole = |k: usize| {
-            if strikes(k) { Some(self.lightness[k]) } else { self.moves(k, after) }
-        };
-        for j in (0..after.len()).filter(flies).filter(|j| self.pulls[*j].inertia[1] != 0.0) {
-            let (Pull { follows, inertia, .. }, [y, w]) = (self.pulls[j], self.of(j));
-            let pushed = self.shapes[j].dot(faster);
-            let slower = self.compliance(whole) * &self.shapes[j] * -(inertia[1] * pushed);
-            let mut column = jump.view_mut((n, y), (n, 1));
-            column += &slower;
-            for l in (0..after.len()).filter(flies) {
-                let follows = self.pulls[l].follows[0];
-                jump[(self.of(l)[1], y)] -= follows * self.shapes[l].dot(&slower);
-            }
-            jump[(w, y)] -= follows[1] * pushed;
-        }
-        jump
-    }
-
-    /// As [`super::lists::DifferentiableList::stick_matrix`], of this mass.
-    pub(in crate::absorber) fn stick_matrix(&self, mass: usize, carried: &[bool]) -> DMatrix<f64> {
-        let (n, size) = (self.coordinates(), self.variables());
-        let [share, damped] = self.stick(mass, carried);
-        let [y, w] = self.of(mass);
-        let mut map = DMatrix::identity(size, size);
-        map.view_mut((0, y), (n, 1)).copy_from(&share);
-        map.view_mut((n, w), (n, 1)).copy_from(&share);
-        map.view_mut((n, y), (n, 1)).copy_from(&damped);
-        for k in (0..carried.len()).filter(|k| !carried[*k]) {
-            let [place, rate] = self.of(k);
-            let [follows, _] = self.pulls[k].follows;
-            let moved = -follows * self.shapes[k].dot(&share);
-            (map[(place, y)], map[(rate, w)]) = (moved, moved);
-            map[(rate, y)] = -follows * self.shapes[k].dot(&damped);
-        }
-        (map[(y, y)], map[(w, w)]) = (0.0, 0.0);
-        map
     }
 }

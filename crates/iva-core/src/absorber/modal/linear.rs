@@ -10,6 +10,7 @@ use super::state::{Modes, Place};
 use super::structure::Damping;
 use super::{Modal, ModalState};
 use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place, tail_of};
+use crate::absorber::derivatives::maps::{self, Map};
 use crate::absorber::derivatives::masses::{LinearStructure, Pull};
 use crate::absorber::{Absorber as _, Clock, ImpactLaw as _, OnStructure as _};
 use crate::force::Drive;
@@ -130,16 +131,19 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
 
     /// The derivative of a motion of length h in which these members are carried. Where a pendulum swings, by Magnus's series to the sixth order (S. Blanes et al.,
     /// Phys. Rep. 470, 2009, section 5.6) over parts of this length, in units of the fastest rate.
-    pub(super) fn flow_in_parts(
-        &self,
+    pub(super) fn flow_in_parts<'a>(
+        &'a self,
         from: &ModalState<H, N, M>,
-        carried: &[bool],
+        carried: &'a [bool],
         h: f64,
         part: f64,
-    ) -> DMatrix<f64> {
+    ) -> Map<'a> {
+        if self.is_linear() {
+            return maps::flow(self.linear(from), carried, h);
+        }
         let from = Self::carrying_these(from, carried);
-        if self.is_linear() || self.swinging(&from.places).next().is_none() {
-            return self.linear(&from).flow(carried, h);
+        if self.swinging(&from.places).next().is_none() {
+            return maps::flow(self.linear(&from), carried, h);
         }
         let flight = self.flight(&from);
         let fastest = self.swinging_rate(&from.places).max(self.whole.growth());
@@ -159,7 +163,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
             let step = (first + third / 12.0 + both(&inner, &(second + again)) / 240.0).exp();
             flow = if part == 0 { step } else { step * flow };
         }
-        flow
+        maps::by_matrix(flow)
     }
 }
 
@@ -235,18 +239,18 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         self.linear(&self.at_rest()).begin()
     }
 
-    fn flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+    fn flow<'a>(&'a self, from: &Self::State, carried: &'a [bool], h: f64) -> Map<'a> {
         self.flow_in_parts(from, carried, h, PART)
     }
 
-    fn by_numbers(&self) -> (DMatrix<f64>, Vec<usize>) {
-        if self.is_single() {
-            return (self.spread(), self.four().to_vec());
-        }
-        (self.by_point(), self.independent())
+    fn by_numbers(&self) -> &(DMatrix<f64>, Vec<usize>) {
+        let single = || (self.spread(), self.four().to_vec());
+        let several = || (self.by_point(), self.independent());
+        self.by_numbers
+            .get_or_init(|| Box::new(if self.is_single() { single() } else { several() }))
     }
 
-    fn fine_flow(&self, from: &Self::State, carried: &[bool], h: f64) -> DMatrix<f64> {
+    fn fine_flow<'a>(&'a self, from: &Self::State, carried: &'a [bool], h: f64) -> Map<'a> {
         self.flow_in_parts(from, carried, h, FINE)
     }
 
@@ -291,26 +295,26 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> DifferentiableList for
         Some(sizes)
     }
 
-    fn impact_matrix(
-        &self,
+    fn impact_map<'a>(
+        &'a self,
         struck: &[usize],
         [before, after]: [&Self::State; 2],
-        carried: [&[bool]; 2],
-    ) -> DMatrix<f64> {
+        carried: [&'a [bool]; 2],
+    ) -> Map<'a> {
         let slope = |k: &usize| {
             let seen = self.turned_to(before, *k);
             let approach = -self.distance(&seen).rate;
             (*k, self.law_of(*k, self.wall(&seen), approach).slope)
         };
-        let slopes: Vec<_> = struck.iter().map(slope).collect();
+        let slopes = struck.iter().map(slope).collect();
         let n = self.whole.count();
         let speeds = [before, after].map(|state| &state.modes.velocities);
         let faster = DVector::from_fn(n, |j, _| (speeds[1][j] - speeds[0][j]).value);
-        self.linear(before).impact_matrix(&slopes, carried, &faster)
+        maps::impact(self.linear(before), slopes, carried, &faster)
     }
 
-    fn stick_matrix(&self, state: &Self::State, carried: &[bool]) -> DMatrix<f64> {
-        self.linear(state).stick_matrix(self.at_hand(state), carried)
+    fn stick_map(&self, state: &Self::State, carried: &[bool]) -> Map<'_> {
+        maps::stick(self.linear(state), self.at_hand(state), carried)
     }
 
     fn tail(&self, after: &Self::State) -> f64 {

@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 use super::{Modal, ModalStart, ModalState};
 use crate::absorber::Start;
 use crate::absorber::derivatives::Differentiable;
-use crate::absorber::derivatives::lists::DifferentiableList;
+use crate::absorber::derivatives::lists::{DifferentiableList, slip};
+use crate::absorber::derivatives::maps::{Map, map_columns};
 use crate::error::Invalid;
 use crate::host::Host;
 use crate::number::real::Real;
@@ -69,9 +70,10 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
     }
 
     /// The four rows of a derivative, by the four numbers.
-    fn folded(&self, derivative: &DMatrix<f64>) -> Matrix4<f64> {
-        let folded = (derivative * self.spread()).select_rows(&self.four());
-        folded.fixed_view::<4, 4>(0, 0).into()
+    fn folded(&self, mut derivative: Map<'_>) -> Matrix4<f64> {
+        let (mut all, four) = self.by_numbers().clone();
+        map_columns(&mut all, &mut derivative);
+        all.select_rows(&four).fixed_view::<4, 4>(0, 0).into()
     }
 
     /// −div ż where nothing swings or rubs: the same in any state.
@@ -80,7 +82,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
         (self.is_linear() && !rubs).then(|| {
             let (spread, numbers) = self.by_numbers();
             let jacobian = self.jacobian(&self.at_rest(), &vec![false; self.count()]);
-            -(jacobian * spread).select_rows(&numbers).trace()
+            -(jacobian * spread).select_rows(numbers).trace()
         })
     }
 
@@ -97,7 +99,7 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Differentiable for Mod
     /// Of a motion of any kind: a ride and a hold are motions of the same type as a flight.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
         let carried = DifferentiableList::carried(self, from, false);
-        self.folded(&self.flow_in_parts(from, &carried, h, FINE))
+        self.folded(self.flow_in_parts(from, &carried, h, FINE))
     }
 
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
@@ -106,20 +108,14 @@ impl<H: Host<Real = f64>, const N: usize, const M: usize> Differentiable for Mod
 
     fn impact_matrix(&self, states: [&Self::State; 2]) -> Matrix4<f64> {
         let flying: &[bool] = &[false];
-        self.folded(&DifferentiableList::impact_matrix(self, &[0], states, [flying; 2]))
+        self.folded(self.impact_map(&[0], states, [flying; 2]))
     }
 
     fn stick_matrix(&self, stuck: &Self::State) -> Matrix4<f64> {
-        self.folded(&DifferentiableList::stick_matrix(self, stuck, &[true]))
+        self.folded(self.stick_map(stuck, &[true]))
     }
 
     fn slip_matrix(&self, sliding: &Self::State) -> Matrix4<f64> {
-        let Some(gradient) = self.slip_gradient(sliding, &[true]) else {
-            return Matrix4::identity();
-        };
-        let [held, slides] =
-            [true, false].map(|held| DifferentiableList::rates(self, sliding, &[held]));
-        let jump = (held - slides) * gradient.transpose();
-        Matrix4::identity() + self.folded(&jump)
+        self.folded(slip(self, sliding, &[true]))
     }
 }

@@ -3,9 +3,10 @@
 //! Each is that of the state after the event with respect to that before, in q, q̇, y and ẏ of all coordinates and members
 //! ([`crate::absorber::derivatives::lists`]); `carried` are the members that the structure carried along before it.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use crate::absorber::derivatives::lists::{DifferentiableList, place};
+use crate::absorber::derivatives::lists::{DifferentiableList, add, place, slip};
+use crate::absorber::derivatives::maps::Map;
 
 /// The members that have their impact with the one at hand; empty unless that is the first of them: all of one instant are taken there.
 pub(super) fn struck<S: DifferentiableList>(
@@ -21,68 +22,54 @@ pub(super) fn struck<S: DifferentiableList>(
     if struck.first() == Some(&system.at_hand(before)) { struck } else { Vec::new() }
 }
 
-/// The saltation matrix of an impact of some members between two states, by the first of them, and the rates after it.
-pub(super) fn saltation<S: DifferentiableList>(
-    system: &S,
+/// The saltation matrix of an impact of some members between two states, by the first of them, and the rates after it; `carried` before it
+/// and after it.
+pub(super) fn saltation<'a, S: DifferentiableList>(
+    system: &'a S,
     struck: &[usize],
     [before, after]: [&S::State; 2],
-    carried: &[bool],
-) -> (DMatrix<f64>, DVector<f64>) {
-    let freed = system.carried(after, false);
-    let mut jump = system.impact_matrix(struck, [before, after], [carried, &freed]);
-    let f = system.rates(before, carried);
-    let f_after = system.rates(after, &freed);
-    if let Some(first) = struck.first() {
-        let [y, _] = place(system.coordinates(), *first);
-        let moved = (&f_after - &jump * &f) / f[y];
-        let mut column = jump.column_mut(y);
-        column += moved;
-    }
-    (jump, f_after)
+    carried: [&'a [bool]; 2],
+) -> (Map<'a>, DVector<f64>) {
+    let mut jump = system.impact_map(struck, [before, after], carried);
+    let mut moved = system.rates(before, carried[0]);
+    let f_after = system.rates(after, carried[1]);
+    let y = struck.first().map_or(0, |first| place(system.coordinates(), *first)[0]);
+    let speed = moved[y];
+    jump(moved.as_mut_slice());
+    let moved = (&f_after - moved) / speed;
+    let map = Box::new(move |it: &mut [f64]| {
+        let late = it[y];
+        jump(it);
+        add(it, late, &moved);
+    });
+    (map, f_after)
 }
 
 /// The derivative of a stop of the member at hand in its gap, between two states.
-pub(super) fn stop<S: DifferentiableList>(
+pub(super) fn stop<'a, S: DifferentiableList>(
     system: &S,
     [before, after]: [&S::State; 2],
     carried: &[bool],
-) -> DMatrix<f64> {
+) -> Map<'a> {
     let [_, w] = place(system.coordinates(), system.at_hand(before));
     let f = system.rates(before, carried);
     let f_after = system.rates(after, &system.carried(after, false));
-    let mut saltation = DMatrix::identity(f.len(), f.len());
-    let mut column = saltation.column_mut(w);
-    column += (f_after - &f) / f[w];
-    saltation
+    let moved = (f_after - &f) / f[w];
+    Box::new(move |it| add(it, it[w], &moved))
 }
 
 /// The derivative of a release in a state: each member that is freed begins at rest on its wall.
-pub(super) fn release<S: DifferentiableList>(
+pub(super) fn release<'a, S: DifferentiableList>(
     system: &S,
     state: &S::State,
     carried: &[bool],
-) -> DMatrix<f64> {
-    let freed = system.carried(state, false);
-    let mut map = slip(system, state, carried);
-    for k in (0..freed.len()).filter(|k| carried[*k] && !freed[*k]) {
-        for variable in place(system.coordinates(), k) {
-            map.column_mut(variable).fill(0.0);
-        }
-    }
-    map
-}
-
-/// The derivative where the member at hand begins to slide in a state: where rates jump, the saltation matrix.
-pub(super) fn slip<S: DifferentiableList>(
-    system: &S,
-    state: &S::State,
-    carried: &[bool],
-) -> DMatrix<f64> {
-    let before = system.rates(state, carried);
-    let mut map = DMatrix::identity(before.len(), before.len());
-    if let Some(gradient) = system.slip_gradient(state, carried) {
-        let after = system.rates(state, &system.carried(state, false));
-        map += (before - after) * gradient.transpose();
-    }
-    map
+) -> Map<'a> {
+    let after = system.carried(state, false);
+    let freed = (0..after.len()).filter(|k| carried[*k] && !after[*k]);
+    let freed: Vec<_> = freed.flat_map(|k| place(system.coordinates(), k)).collect();
+    let mut slip = slip(system, state, carried);
+    Box::new(move |it| {
+        freed.iter().for_each(|variable| it[*variable] = 0.0);
+        slip(it);
+    })
 }

@@ -15,7 +15,8 @@ use nalgebra::{DMatrix, DVector};
 use super::errors::{ALIKE, DEVIATIONS, GRAZING, LOST, ROUNDING, UNIT};
 use super::jumps;
 use crate::absorber::Wall;
-use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place};
+use crate::absorber::derivatives::lists::{DifferentiableList, Moved, place, slip};
+use crate::absorber::derivatives::maps::{Map, carry_covariance, map_columns};
 
 /// The errors of a state, and its derivative.
 #[derive(Debug, Clone)]
@@ -69,13 +70,11 @@ impl Grown {
         place(self.coordinates, absorber)
     }
 
-    fn carry(&mut self, map: &DMatrix<f64>) {
-        self.covariance = map * &self.covariance * map.transpose();
-        self.derivative = map * &self.derivative;
-        if let Some(alike) = &mut self.alike {
-            for errors in alike {
-                *errors = map * &*errors;
-            }
+    fn carry(&mut self, mut map: Map<'_>) {
+        carry_covariance(&mut self.covariance, &mut map);
+        map_columns(&mut self.derivative, &mut map);
+        for errors in self.alike.iter_mut().flatten() {
+            map_columns(errors, &mut map);
         }
     }
 
@@ -127,7 +126,9 @@ impl Grown {
         states: [&S::State; 2],
         rates: [&DVector<f64>; 2],
     ) {
-        self.carry(&system.flow(states[0], &self.carried, h));
+        let carried = std::mem::take(&mut self.carried);
+        self.carry(system.flow(states[0], &carried, h));
+        self.carried = carried;
         let moved = Moved { states, rates, carried: &self.carried, length: h };
         let roundings = system.roundings(&moved);
         for (variable, size) in roundings.iter().enumerate() {
@@ -223,7 +224,10 @@ impl Grown {
         states: [&S::State; 2],
     ) {
         let n = self.coordinates;
-        let (saltation, f_after) = jumps::saltation(system, struck, states, &self.carried);
+        let freed = system.carried(states[1], false);
+        let carried = std::mem::take(&mut self.carried);
+        let (saltation, f_after) = jumps::saltation(system, struck, states, [&carried, &freed]);
+        self.carry(saltation);
         let speeds = (0..n).chain(struck.iter().map(|k| self.of(*k)[0]));
         let rounded: Vec<_> = speeds
             .map(|variable| {
@@ -231,7 +235,6 @@ impl Grown {
                 (rate, UNIT * ROUNDING * f_after[variable].abs())
             })
             .collect();
-        self.carry(&saltation);
         for (variable, deviation) in rounded {
             self.add(variable, deviation);
         }
@@ -240,15 +243,14 @@ impl Grown {
     /// The absorber at hand sticks. Stick follows an impact at once: the duration of a summed tail is part of the ride.
     pub fn stick<S: DifferentiableList>(&mut self, system: &S, state: &S::State) {
         let carried = system.carried(state, true);
-        let map = system.stick_matrix(state, &carried);
-        self.carry(&map);
+        self.carry(system.stick_map(state, &carried));
         self.begin(system, self.begun.0, state, true);
     }
 
     /// Masses that were stuck are free from an instant on: each begins at rest on its wall.
     pub fn release<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
-        self.carry(&jumps::release(system, state, &self.carried));
+        self.carry(jumps::release(system, state, &self.carried));
         self.begin(system, time, state, false);
     }
 
@@ -260,14 +262,14 @@ impl Grown {
         [before, after]: [&S::State; 2],
     ) {
         self.end(system, time, before);
-        self.carry(&jumps::stop(system, [before, after], &self.carried));
+        self.carry(jumps::stop(system, [before, after], &self.carried));
         self.begin(system, time, after, false);
     }
 
     /// A mass that friction held slides off from an instant on.
     pub fn slipped<S: DifferentiableList>(&mut self, system: &S, time: f64, state: &S::State) {
         self.end(system, time, state);
-        self.carry(&jumps::slip(system, state, &self.carried));
+        self.carry(slip(system, state, &self.carried));
         self.begin(system, time, state, false);
     }
 

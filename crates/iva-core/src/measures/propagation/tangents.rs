@@ -4,13 +4,14 @@ use nalgebra::DMatrix;
 
 use super::{Derivative, jumps};
 use crate::absorber::Clock;
-use crate::absorber::derivatives::lists::{DifferentiableList, place};
+use crate::absorber::derivatives::lists::{DifferentiableList, place, slip};
+use crate::absorber::derivatives::maps::{Map, map_columns};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
 
-/// An observer of the derivative of the state with respect to that at the begin of the run, or since its factor was last taken, in all
-/// variables of a list.
+/// An observer of the derivative of the state with respect to that at the begin of the run, or since its factor was last taken: of all
+/// variables of a list, by the numbers of a state.
 ///
 /// As [`super::Tangent`] it counts who ends a chatter as stuck from the last impact before the sum.
 #[derive(Debug, Clone, Default)]
@@ -29,13 +30,13 @@ impl Tangents {
     fn end_motion<S: DifferentiableList>(&mut self, system: &S, state: &S::State, time: Clock) {
         let h = self.begun.map_or(0.0, |begun| (time - begun).value);
         if h > 0.0 {
-            self.product = system.fine_flow(state, &self.carried, h) * &self.product;
+            map_columns(&mut self.product, &mut system.fine_flow(state, &self.carried, h));
             self.begun = Some(time);
         }
     }
 
-    fn carry<S: DifferentiableList>(&mut self, system: &S, map: &DMatrix<f64>, after: &S::State) {
-        self.product = map * &self.product;
+    fn carry<S: DifferentiableList>(&mut self, system: &S, mut map: Map<'_>, after: &S::State) {
+        map_columns(&mut self.product, &mut map);
         self.hold(system, after, system.carried(after, false));
     }
 
@@ -60,10 +61,8 @@ fn is_plastic<S: DifferentiableList>(system: &S, before: &S::State, member: usiz
 
 impl<S: DifferentiableList> Derivative<S> for Tangents {
     fn factor(&mut self, system: &S) -> DMatrix<f64> {
-        let (by_numbers, numbers) = system.by_numbers();
-        let size = self.product.nrows();
-        let product = std::mem::replace(&mut self.product, DMatrix::identity(size, size));
-        (product * by_numbers).select_rows(&numbers)
+        let (begin, numbers) = system.by_numbers();
+        std::mem::replace(&mut self.product, begin.clone()).select_rows(numbers)
     }
 
     fn lost(&self, _rides: u64) -> usize {
@@ -74,15 +73,14 @@ impl<S: DifferentiableList> Derivative<S> for Tangents {
 impl<S: DifferentiableList> Observer<S> for Tangents {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
         let carried = system.carried(&from.state, false);
-        let size = 2 * (system.coordinates() + carried.len());
         let begun = system.is_linear().then_some(from.time);
-        let mut product = DMatrix::identity(size, size);
+        let (mut product, _) = system.by_numbers().clone();
         for k in (0..carried.len()).filter(|k| carried[*k]) {
             // Who is carried has no rate of its own, and on a wall no place either.
             let [y, w] = place(system.coordinates(), k);
-            product[(w, w)] = 0.0;
+            product.row_mut(w).fill(0.0);
             if system.approach_of(&from.state, k)[0] == 0.0 {
-                product[(y, y)] = 0.0;
+                product.row_mut(y).fill(0.0);
             }
         }
         *self = Self { product, begun, ..Self::default() };
@@ -99,7 +97,7 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
         }
         let from = span.motion.origin();
         let carried = system.carried(from, false);
-        self.product = system.fine_flow(from, &carried, span.length) * &self.product;
+        map_columns(&mut self.product, &mut system.fine_flow(from, &carried, span.length));
         self.hold(system, from, carried);
     }
 
@@ -108,35 +106,39 @@ impl<S: DifferentiableList> Observer<S> for Tangents {
         let struck = jumps::struck(system, states[0], &self.carried);
         if !(summed || struck.is_empty()) {
             self.end_motion(system, states[0], Clock::new(time));
-            let (map, _) = jumps::saltation(system, &struck, states, &self.carried);
             let plastic = struck.iter().filter(|k| is_plastic(system, states[0], **k)).count();
             self.lost = self.lost.max(held(system, states[0], &self.carried) + plastic);
-            self.carry(system, &map, states[1]);
+            let freed = system.carried(states[1], false);
+            let carried = [self.carried.as_slice(), &freed];
+            let (mut map, _) = jumps::saltation(system, &struck, states, carried);
+            map_columns(&mut self.product, &mut map);
+            drop(map);
+            self.hold(system, states[1], freed);
         }
     }
 
     fn stick(&mut self, system: &S, from: &Instant<S::State>) {
         let carried = system.carried(&from.state, true);
-        self.product = system.stick_matrix(&from.state, &carried) * &self.product;
+        map_columns(&mut self.product, &mut system.stick_map(&from.state, &carried));
         self.hold(system, &from.state, carried);
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
         self.end_motion(system, &from.state, from.time);
         let map = jumps::release(system, &from.state, &self.carried);
-        self.carry(system, &map, &from.state);
+        self.carry(system, map, &from.state);
     }
 
     fn stop(&mut self, system: &S, time: f64, states: [&S::State; 2]) {
         self.end_motion(system, states[0], Clock::new(time));
         let map = jumps::stop(system, states, &self.carried);
-        self.carry(system, &map, states[1]);
+        self.carry(system, map, states[1]);
     }
 
     fn slip(&mut self, system: &S, from: &Instant<S::State>) {
         self.end_motion(system, &from.state, from.time);
-        let map = jumps::slip(system, &from.state, &self.carried);
-        self.carry(system, &map, &from.state);
+        let map = slip(system, &from.state, &self.carried);
+        self.carry(system, map, &from.state);
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
