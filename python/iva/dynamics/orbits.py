@@ -331,7 +331,8 @@ class Missed:
     Parameters
     ----------
     reason : str
-        ``no_impacts`` (fewer than two in three cycles): start with a gap velocity.
+        ``no_impacts`` (fewer than two in three cycles, of an absorber that may stand anywhere in
+        its gap): start with a gap velocity.
         ``singular``: ask for ``symmetric=True``, or move off the bifurcation.
         ``stalled``: settle longer, try more `periods`, or see :func:`attractors` and
         :func:`regimes`; a motion that is not periodic has no orbit.

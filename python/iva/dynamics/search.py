@@ -91,8 +91,8 @@ def orbit(
     Notes
     -----
     The search moves the section of the map to the middle of the longest flight between two impacts.
-    Without impacts there is no isolated orbit, for the absorber may stand anywhere in its gap; a
-    free mass has none with impacts on one wall only.
+    Without impacts there is no isolated orbit where an absorber may stand anywhere in its gap: of
+    one on a spring, or a pendulum, there is. A free mass has none with impacts on one wall only.
 
     Examples
     --------

@@ -118,6 +118,10 @@ pub trait Coordinates: Differentiable + Numbered + Sized {
     /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
     /// that momenta and places make. `None` if an impact does not shrink it by e².
     fn contraction(&self, gap_displacement: f64) -> Option<f64>;
+    /// True if every absorber has a place of rest in its gap, by a spring or its weight: then a motion without impacts is isolated.
+    fn has_place_of_rest(&self) -> bool {
+        false
+    }
     /// How many of the numbers a state can have independently of each other.
     fn dimension(&self) -> usize {
         4
@@ -204,6 +208,10 @@ impl<H: Host<Real = f64>> Coordinates for Piva<H> {
     type Derivative = Tangent;
     type Strobe = Vector4<f64>;
 
+    fn has_place_of_rest(&self) -> bool {
+        self.parameters().frequency_ratio > 0.0
+    }
+
     fn strobe(&self, state: &Self::State) -> Vector4<f64> {
         self.coordinates(state)
     }
@@ -253,6 +261,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Numbered for Mo
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Coordinates for Modal<H, N, M> {
     type Derivative = Tangents;
     type Strobe = Vec<f64>;
+
+    fn has_place_of_rest(&self) -> bool {
+        (0..self.count()).all(|k| self.rests_in_gap(k))
+    }
 
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         self.shrinking().filter(|_| !(self.is_single() && self.on_ground(0)))

@@ -5,8 +5,8 @@
 //! point of the half map (the map over half a cycle, and the mirror): at a pitchfork the full map is singular there,
 //! the half map is not.
 //!
-//! A motion without impacts is never isolated, as the absorber may stand anywhere in its gap: the map is singular,
-//! and no orbit is found.
+//! A motion without impacts is not isolated where an absorber may stand anywhere in its gap: the map is singular,
+//! and no orbit is found. Springs and weights make it one like any other.
 
 use std::sync::atomic::AtomicBool;
 
@@ -69,7 +69,7 @@ pub enum Missed {
     Invalid(Invalid),
     /// A cycle did not end, or the search was cancelled.
     Cycle(Outcome),
-    /// There are less than two impacts in three cycles, or a cycle without.
+    /// There are less than two impacts in three cycles, or a cycle without, and an absorber may stand anywhere in its gap.
     NoImpacts,
     /// The map has the multiplier 1, or −1 in the half map.
     Singular,
@@ -155,7 +155,7 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     fn solved(&self, from: DVector<f64>) -> Result<(Tried, u32), Missed> {
         let mut best = self.tried(from)?.ok_or(Missed::Stalled(f64::INFINITY))?;
         for step in 1..=MOST_STEPS {
-            if best.impacts == 0 {
+            if best.impacts == 0 && !self.trajectory.system.has_place_of_rest() {
                 return Err(Missed::NoImpacts);
             }
             let size = self.size(&best.at);
@@ -226,6 +226,46 @@ pub(super) fn flown<S: Coordinates>(
     }
 }
 
+/// The instants at which members come to rest in their gaps and slip.
+#[derive(Debug, Default)]
+pub(super) struct Rubbing {
+    pub stops: Vec<f64>,
+    pub slips: Vec<f64>,
+    /// The smallest acceleration in the gap with which one turns back at once, over that before; where it vanishes friction holds the member.
+    pub weakest: Option<f64>,
+}
+
+impl<S: Coordinates> Observer<S> for Rubbing {
+    fn looks_within(&self) -> bool {
+        false
+    }
+
+    fn stop(&mut self, system: &S, time: f64, states: [&S::State; 2]) {
+        self.stops.push(time);
+        if !system.is_held(states[1]) {
+            let [before, after] = states.map(|state| system.distance(state).curvature.abs());
+            let least = self.weakest.unwrap_or(f64::INFINITY);
+            self.weakest = Some(least.min(after / before));
+        }
+    }
+
+    fn slip(&mut self, _system: &S, from: &Instant<S::State>) {
+        self.slips.push(from.time.value);
+    }
+}
+
+impl Rubbing {
+    /// The instants in order, each with whether a slide follows: after a stop, unless it is a slip that is next. The first is next to the
+    /// last.
+    pub fn marks(&self) -> Vec<(f64, bool)> {
+        let stops = self.stops.iter().map(|time| (*time, false));
+        let mut all: Vec<_> = stops.chain(self.slips.iter().map(|time| (*time, true))).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let next = all.iter().cycle().skip(1);
+        all.iter().zip(next).map(|(own, next)| (own.0, own.1 || !next.1)).collect()
+    }
+}
+
 /// The middle of the longest flight between two events; `None` without two impacts.
 fn longest_flight(events: &Events) -> Option<f64> {
     // Where something happens, and whether a flight follows.
@@ -234,6 +274,11 @@ fn longest_flight(events: &Events) -> Option<f64> {
     let releases = events.episodes.iter().filter_map(|it| it.release_time).map(|time| (time, true));
     let mut marks: Vec<_> = impacts.chain(sticks).chain(releases).collect();
     marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    longest(&marks)
+}
+
+/// The middle of the longest time between two marks of which the first has a flight or a slide after it.
+fn longest(marks: &[(f64, bool)]) -> Option<f64> {
     let flights = marks.windows(2).filter(|pair| pair[0].1);
     let longest = flights.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)))?;
     Some(0.5 * (longest[0].0 + longest[1].0))
@@ -257,16 +302,20 @@ pub(super) fn reached<S: Coordinates>(
 }
 
 /// A trajectory that begins in the middle of the longest flight between two impacts of another: in its first two cycles or,
-/// where the second impact comes just after them, in its first three.
+/// where the second impact comes just after them, in its first three. Without impacts it begins in the middle of the longest slide, or
+/// a cycle later.
 fn moved<S: Coordinates + Clone>(
     trajectory: &Trajectory<S>,
     cancel: Option<&AtomicBool>,
 ) -> Result<Trajectory<S>, Missed> {
     let Trajectory { system, cycle: Cycle { begin, length }, .. } = trajectory;
     let flight = |cycles: f64| {
-        let mut events = Events::default();
-        reached(trajectory, begin + cycles * length, cancel, &mut events)?;
-        longest_flight(&events).ok_or(Missed::NoImpacts)
+        let mut seen = (Events::default(), Rubbing::default());
+        reached(trajectory, begin + cycles * length, cancel, &mut seen)?;
+        let (events, rubbing) = seen;
+        let rests = events.impacts.is_empty() && system.has_place_of_rest();
+        let slide = || rests.then(|| longest(&rubbing.marks()).unwrap_or(begin + length));
+        longest_flight(&events).or_else(slide).ok_or(Missed::NoImpacts)
     };
     let middle = flight(2.0).or_else(|_| flight(3.0))?;
     let state = reached(trajectory, middle, cancel, &mut ())?;

@@ -3,6 +3,7 @@
 //! A field is given in the user's units, and so is a row, but for the unknowns of its chain: those are in natural units. Lengths
 //! along a branch are those of [`iva_core::orbit::branch`], shares of the range and of the sizes of the unknowns.
 
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::{Invalid, number};
@@ -94,7 +95,7 @@ pub enum NoBranch {
 
 /// The scene with other values of some fields, and the absorber in the middle of its gap, where it fits any clearance.
 fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid> {
-    let mut spec = rubbing(spec, slots);
+    let mut spec = spec.clone();
     for (slot, value) in slots.iter().zip(values) {
         spec.replace(*slot, *value)?;
     }
@@ -123,10 +124,9 @@ fn is_friction(slot: Slot) -> bool {
     matches!(slot.field, FieldId::Friction | FieldId::StaticFriction)
 }
 
-/// The scene as one in which something rubs at all values of these fields, be it with no friction.
-fn rubbing(spec: &Spec, slots: &[Slot]) -> Spec {
-    let spec = spec.clone();
-    if slots.iter().copied().any(is_friction) { spec.in_one_system() } else { spec }
+/// The scene as its orbits are followed: as one of no chain of impacts, if it has none.
+fn as_followed<'a>(spec: &'a Spec, chain: &Chain) -> Cow<'a, Spec> {
+    if chain.tells() { Cow::Borrowed(spec) } else { Cow::Owned(spec.clone().in_one_system()) }
 }
 
 /// Checks fields and their ranges.
@@ -229,29 +229,43 @@ pub fn follow(
             format!("the orbit is outside the range from {} to {}", number(low), number(high));
         return Err(Invalid::new(way.over.path(), number(value), rule));
     }
-    let family = Family::new(&rubbing(spec, &slots), None, periods)?;
     let along = along(way, tracker);
-    let found = |missed: Missed| match missed {
-        Missed::Invalid(invalid) => Err(invalid),
-        missed => Ok(Err(NoBranch::Missed(missed))),
-    };
+    let family = Family::new(spec, None, periods)?;
     // Where friction is what changes, there is some along the branch.
-    let branch = match &family.member {
-        Member::System(it) if is_friction(way.over) || !family.has_chain() => {
-            let orbit = find(it, symmetric, Some(tracker.cancel));
-            let scenes = scenes_like(it, spec, &slots);
-            orbit.map(|orbit| shooting::follow(&scenes, (&orbit, periods), value, along))
-        }
-        member => with_member!(member, |it| {
-            let orbit = find(it, symmetric, Some(tracker.cancel));
-            orbit.map(|orbit| {
+    if family.has_chain() && !is_friction(way.over) {
+        let branch = with_member!(&family.member, |it| {
+            find(it, symmetric, Some(tracker.cancel)).map(|orbit| {
                 let (chain, at) = Chain::of(&orbit, periods).ok()?;
                 let scenes = scenes_like(it, spec, &slots);
-                branch::follow(&scenes, (&chain, &at), value, along)
+                Some(branch::follow(&scenes, (&chain, &at), value, along))
             })
-        }),
+        });
+        match branch {
+            Ok(Some(branch)) => return told_of(spec, &slots, branch),
+            Ok(None) => {}
+            Err(missed) => return no_orbit(missed),
+        }
+    }
+    let spec = spec.clone().in_one_system();
+    let Member::System(it) = Family::new(&spec, None, periods)?.member else {
+        return Ok(Err(NoBranch::Lost));
     };
-    branch.map_or_else(found, |branch| told_of(spec, &slots, branch))
+    match find(&it, symmetric, Some(tracker.cancel)) {
+        Ok(orbit) => {
+            let scenes = scenes_like(&it, &spec, &slots);
+            let branch = shooting::follow(&scenes, (&orbit, periods), value, along);
+            told_of(&spec, &slots, branch)
+        }
+        Err(missed) => no_orbit(missed),
+    }
+}
+
+/// Why there is no orbit to follow.
+fn no_orbit<T>(missed: Missed) -> Result<Result<T, NoBranch>, Invalid> {
+    match missed {
+        Missed::Invalid(invalid) => Err(invalid),
+        missed => Ok(Err(NoBranch::Missed(missed))),
+    }
 }
 
 /// What is told of a branch.
@@ -309,6 +323,7 @@ pub fn switch(
     tracker: Tracker<'_>,
 ) -> Result<Result<Followed, NoBranch>, Invalid> {
     let slots = [way.over];
+    let spec = &*as_followed(spec, &begin.chain);
     check(spec, &slots, &[way.between])?;
     let family = family_at(spec, &slots, &[begin.value])?;
     let point = special(begin.condition, begin.value, &begin.unknowns);
@@ -336,7 +351,7 @@ pub fn orbit_at(
     unknowns: &[f64],
     cancel: &AtomicBool,
 ) -> Result<Result<Found, Missed>, Invalid> {
-    let spec = changed(spec, &[over], &[value])?;
+    let spec = changed(&as_followed(spec, chain), &[over], &[value])?;
     let family = Family::new(&spec, None, chain.cycles)?;
     let (period, cycles) = (family.period, chain.cycles);
     Ok(match &family.member {
@@ -391,6 +406,7 @@ pub fn follow_curve(
     way: &CurveWay,
     tracker: Tracker<'_>,
 ) -> Result<Option<Curved>, Invalid> {
+    let spec = &*as_followed(spec, &begin.chain);
     check(spec, &way.over, &way.between)?;
     if let Some(slot) = way.over.iter().find(|it| begin.chain.tells() && is_friction(**it)) {
         let rule = "the branch of this point is one without friction; give another number";

@@ -22,7 +22,7 @@ pub fn words(missed: &Missed) -> (&'static str, String) {
         }
         Missed::NoImpacts => {
             let rule = "the motion has no impacts, or fewer than two in three cycles; without impacts no orbit is \
-                        isolated, as the absorber may stand anywhere in its gap";
+                        isolated where an absorber without spring may stand anywhere in its gap";
             ("no_impacts", rule.to_owned())
         }
         Missed::Singular => {

@@ -223,6 +223,29 @@ fn vanishing_ties_change_nothing() {
     assert!(impacts > 200 && episodes > 10, "{impacts} {episodes}");
 }
 
+/// A mass on a spring that friction holds twice a period settles on an orbit and stays on it for 2,000 periods: what its place in the gap and its
+/// coordinate of the structure differ by is rounding, and does not grow.
+#[test]
+fn a_mass_that_rubs_stays_on_its_orbit() {
+    for mu in [1e-9, 1e-3, 0.1] {
+        let frequency = 0.8;
+        let system = system::<f64>([mu, 0.5, 50.0, 0.05, mu * 1.5625, 0.0]);
+        let system = system.with_friction(&[1.18]).unwrap();
+        let system = system.under(push(1.0, frequency, Acts::Primary), "top").unwrap();
+        let after = |periods: f64| {
+            let limits = limits(periods * std::f64::consts::TAU / frequency);
+            let found = run(&system, &start([2.7, 0.0, 0.0, 0.3]), &limits).unwrap();
+            assert_eq!(found.tally.outcome, Outcome::Finished);
+            (system.gaps(&found.tally.state)[0], found.tally.friction)
+        };
+        let ((early, _), (late, seen)) = (after(200.0), after(2000.0));
+        // Of a heavy mass friction slows the structure, so that nothing is held.
+        assert!(seen.stops >= 3999 && (mu == 0.1 || seen.holds > 3900), "{seen:?}");
+        assert!((early.y - late.y).abs() < 1e-11, "{mu}: {} {}", early.y, late.y);
+        assert!((early.w - late.w).abs() < 1e-11, "{mu}: {} {}", early.w, late.w);
+    }
+}
+
 /// No tie is the structure without, to the bit; what is out of range is told.
 #[test]
 fn none_is_none_and_wrong_ones_are_refused() {

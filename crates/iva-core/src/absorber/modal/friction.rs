@@ -240,6 +240,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
             _ if across <= 0.0 => at_wall(-place.side),
             _ => at_rest,
         };
+        self.align(&mut after);
         self.settle(&mut after);
         (after, later)
     }

@@ -298,6 +298,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> ImpactLaw for M
                 after.places[k] = self.directed(k, &after.places[k]);
             }
         }
+        self.align(&mut after);
         self.settle(&mut after);
         let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
         let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);

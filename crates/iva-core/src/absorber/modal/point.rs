@@ -74,6 +74,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
 }
 
 impl<H: Host<Real = f64>, const N: usize, const M: usize> Modal<H, N, M> {
+    /// True if a spring or its weight holds a member at a place in its gap, or it is a stop.
+    pub(crate) fn rests_in_gap(&self, k: usize) -> bool {
+        let hangs = self.hanging(k).is_some_and(|is| is.frequency_squared > 0.0);
+        hangs || self.tie(k).spring > 0.0 || self.grounded(k).is_some() || self.on_ground(k)
+    }
+
     /// The derivative of all variables by these numbers.
     pub(super) fn by_point(&self) -> DMatrix<f64> {
         self.derivative_at_begin().select_columns(&self.independent())

@@ -108,8 +108,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
         let phase: Phase<H> = self.host.begin_at(time);
         let mut places = start.displacements.map(DoubleDouble::new);
         let mut velocities = start.velocities.map(DoubleDouble::new);
-        self.positions(&mut places, |k| start.gaps[k].y);
-        self.positions(&mut velocities, |k| start.gaps[k].w);
+        self.positions(&mut places, |k| DoubleDouble::new(start.gaps[k].y));
+        self.positions(&mut velocities, |k| DoubleDouble::new(start.gaps[k].w));
         let modes = Modes { places, velocities };
         let mut state =
             ModalState { modes, places: [Place::FAR; N], phase, at_hand: 0, felt: None };

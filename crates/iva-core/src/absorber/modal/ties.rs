@@ -16,8 +16,9 @@
 
 use std::sync::Arc;
 
-use super::Modal;
 use super::structure::{Damping, ModalStructure};
+use super::{Modal, ModalState};
+use crate::absorber::siva::FreeMass;
 use crate::error::{Invalid, number};
 use crate::host::{Host, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
@@ -198,13 +199,34 @@ impl<R: Real, H: Host<Real = R>, const N: usize, const M: usize> Modal<H, N, M> 
     }
 
     /// √μ (u + y) and √μ (u̇ + w) of each tied mass, at their coordinates.
-    pub(super) fn positions(&self, places: &mut [DoubleDouble<R>], of_gaps: impl Fn(usize) -> R) {
+    pub(super) fn positions(
+        &self,
+        places: &mut [DoubleDouble<R>],
+        of_gaps: impl Fn(usize) -> DoubleDouble<R>,
+    ) {
         for (k, tied) in self.tied.iter().enumerate() {
             let Some(tied) = tied.as_ref().filter(|tied| !tied.grounded) else { continue };
             let both = places.iter().zip(self.shape(k));
             let u = both.fold(DoubleDouble::ZERO, |sum, (q, phi)| sum + q.times(*phi));
-            places[tied.coordinate] = u.plus(of_gaps(k)).times(tied.root);
+            places[tied.coordinate] = (u + of_gaps(k)).times(tied.root);
         }
+    }
+
+    /// Sets the coordinates of tied masses, if they rub, by their places in the gaps. Both are carried, each with its own rounding, and friction turns
+    /// by the one what pulls by the other: what they differ by would grow from slide to slide.
+    pub(super) fn align(&self, state: &mut ModalState<H, N, M>) {
+        let rubs = |k: usize| self.friction[k] != 0.0 && self.tied[k].is_some();
+        if !(0..self.count()).any(rubs) {
+            return;
+        }
+        let ModalState { modes, places, .. } = state;
+        let sided = |k: usize, it: DoubleDouble<R>| it.times(places[k].side);
+        self.positions(&mut modes.places, |k| {
+            let FreeMass { clearance, offset, .. } = self.masses[k];
+            let within = places[k].distance.negated().plus(clearance);
+            sided(k, within).plus(offset)
+        });
+        self.positions(&mut modes.velocities, |k| sided(k, places[k].rate).negated());
     }
 
     /// k y/μ: the acceleration by which its spring pulls a mass back, which has this place.

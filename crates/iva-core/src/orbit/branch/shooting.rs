@@ -15,13 +15,13 @@ use super::super::continuation::{Curve, Equations, OnCurve, Sides, distance};
 use super::super::coordinates::Coordinates;
 use super::super::description::describe;
 use super::super::family::Scenes;
-use super::super::periodic::{Missed, Orbit, flown, reached, state_at, through};
+use super::super::periodic::{Missed, Orbit, Rubbing, flown, reached, state_at, through};
 use super::super::{Cycle, Trajectory};
 use super::follower::Side;
 use super::{Along, Branch, BranchPoint, End, SpecialPoint};
 use crate::run::side_by_side::Tier;
 pub use curves::curve;
-use events::{Rubbing, Sequence, collapsed, nearest, section, slowest};
+use events::{Sequence, collapsed, nearest, section, slowest};
 
 mod curves;
 mod events;
@@ -162,7 +162,7 @@ impl<'a, S: Coordinates + Clone> Shooting<'a, S> {
             walls: description.walls(cycle.length),
             next: nearest(&description, &rubbing, (slowest / size, margin / size), cycle.length),
             open: orbit.residual / (1.0 + orbit.derivative.amax()),
-            section: section(&description, *cycle).map(|it| (self.share + it).fract()),
+            section: section(&description, &rubbing, *cycle).map(|it| (self.share + it).fract()),
             tests,
             at: BranchPoint {
                 value: on.point[self.size],

@@ -2,38 +2,16 @@
 
 use super::super::super::Cycle;
 use super::super::super::conditions::Condition;
-use super::super::super::coordinates::Coordinates;
 use super::super::super::description::Description;
+use super::super::super::periodic::Rubbing;
 use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
-use crate::engine::observe::{Observer, StickEpisode};
-use crate::engine::simulate::Instant;
+use crate::engine::observe::StickEpisode;
 
 /// The section is moved where its flight is shorter than this share of the longest one, or it is nearer than this share to
 /// an end of it.
 const SHORT: f64 = 0.5;
 const NEAR: f64 = 0.2;
-
-/// The instants at which members come to rest in their gaps and slip.
-#[derive(Debug, Default)]
-pub(super) struct Rubbing {
-    pub stops: Vec<f64>,
-    pub slips: Vec<f64>,
-}
-
-impl<S: Coordinates> Observer<S> for Rubbing {
-    fn looks_within(&self) -> bool {
-        false
-    }
-
-    fn stop(&mut self, _system: &S, time: f64, _states: [&S::State; 2]) {
-        self.stops.push(time);
-    }
-
-    fn slip(&mut self, _system: &S, from: &Instant<S::State>) {
-        self.slips.push(from.time.value);
-    }
-}
 
 /// The events of a cycle: impacts in their order, those and the rides of each member in its own, and how often members come to
 /// rest in their gaps and slip. Rides of two members that begin at one instant are no change.
@@ -137,6 +115,7 @@ pub(super) fn nearest(
     let struck = description.impacts.iter().map(|it| (it.time, false));
     let stops = rubbing.stops.iter().map(|it| (*it, true));
     let rubbed = (rubbed * rubbed).min(soonest(stops.chain(struck).collect(), length));
+    let rubbed = rubbing.weakest.map_or(rubbed, |weakest| rubbed.min(weakest));
     let all = [
         (slowest * slowest, Condition::ImpactVanishes { impact: 0 }),
         (margin, Condition::Grazing { flight: 0, wall: Wall::Plus }),
@@ -148,16 +127,23 @@ pub(super) fn nearest(
     all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(none)
 }
 
-/// How much of a cycle later a better section is: the middle of the longest flight between two events; `None` where it is well
-/// placed.
-pub(super) fn section(description: &Description, Cycle { begin, length }: Cycle) -> Option<f64> {
+/// How much of a cycle later a better section is: the middle of the longest flight between two events or, without impacts, of the
+/// longest slide; `None` where it is well placed.
+pub(super) fn section(
+    description: &Description,
+    rubbing: &Rubbing,
+    Cycle { begin, length }: Cycle,
+) -> Option<f64> {
     let impacts = description.impacts.iter().map(|impact| (impact.time, true));
     let rides = description.episodes.iter();
     let rides = rides.flat_map(|it| [(Some(it.stick_time), false), (it.release_time, true)]);
     let rides = rides.filter_map(|(time, flies)| Some((time?, flies)));
     let share = |time: f64| ((time - begin) / length).rem_euclid(1.0);
-    let mut marks: Vec<_> =
-        impacts.chain(rides).map(|(time, flies)| (share(time), flies)).collect();
+    let mut marks: Vec<_> = impacts.chain(rides).collect();
+    if marks.is_empty() {
+        marks = rubbing.marks();
+    }
+    marks.iter_mut().for_each(|(time, _)| *time = share(*time));
     marks.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (*marks.first()?, *marks.last()?);
     marks.push((first.0 + 1.0, first.1));
