@@ -1,10 +1,10 @@
-"""Branches of orbits of which a publication has an exact solution: two masses, two modes, a slide with pauses.
+"""Branches of orbits of which a publication has an exact solution.
 
-S. F. Masri and T. K. Caughey (J. Appl. Mech. 33 (1966) 586-592) solve the motion with two impacts in a
-period, S. F. Masri (J. Appl. Mech. 40 (1973) 127-132) that on a structure with many modes, C. N. Bapat
-and S. Sankar (J. Sound Vib. 103 (1985) 457-469) that of units which move in step. J. P. Den Hartog
-(Trans. ASME 53 (1931) APM-53-9) solves the forced vibration of a mass on a spring with Coulomb
-friction. The formulas are derived anew here, in the notation of this package.
+S. F. Masri and T. K. Caughey (J. Appl. Mech. 33 (1966) 586-592) solve the motion with two impacts
+in a period, S. F. Masri (J. Appl. Mech. 40 (1973) 127-132) that on a structure with many modes,
+C. N. Bapat and S. Sankar (J. Sound Vib. 103 (1985) 457-469) that of units which move in step.
+J. P. Den Hartog (Trans. ASME 53 (1931) APM-53-9) solves the forced vibration of a mass on a spring
+with Coulomb friction. The formulas are derived anew here, in the notation of this package.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ def approach_speed(
 ) -> float:
     """Return the approach speed of the symmetric motion with two impacts a period under cos Ωt.
 
-    Impacts change the rates of the modes by φ P in turn, which they answer by φ·q = k P and
-    φ·q̇ = l P just before; the mass moves uniformly in between, so that −2 μ u = P and
+    Impacts change the rates of the modes by φ P in turn, which they answer by φ·q and φ·q̇ in
+    proportion to P just before; the mass moves uniformly in between, so that −2 μ u = P and
     u T/2 = −2 (x + d). With the law of impact x and ẋ by the force alone are linear in P, and
     their squares add up to that of the amplitude: a quadratic equation, whose larger root it is.
     """
     period = 2.0 * np.pi / drive
-    k, l, transfer = 0.0, 0.0, 0.0
+    place, rate, transfer = 0.0, 0.0, 0j
     for omega, zeta, phi, forced in zip(
         modes.frequencies, modes.damping_ratios, modes.absorber, modes.force, strict=True
     ):
@@ -52,13 +52,13 @@ def approach_speed(
         flow = np.array([[c + decay * s, s], [-omega * omega * s, c - decay * s]])
         flow *= np.exp(-decay * period / 2)
         before = -np.linalg.solve(np.eye(2) + flow, flow @ [0.0, phi])
-        k, l = k + phi * before[0], l + phi * before[1]
+        place, rate = place + phi * before[0], rate + phi * before[1]
         transfer += phi * forced / (omega**2 - drive**2 + 2j * zeta * omega * drive)
     whole = sum(phi * phi for phi in modes.absorber)
     of_rate = -((1.0 - restitution) / (2.0 * mass) + whole) / (1.0 + restitution)
-    a, b = period / (8.0 * mass) - k, (of_rate - l) / drive
+    a, b = period / (8.0 * mass) - place, (of_rate - rate) / drive
     roots = np.roots([a * a + b * b, -2.0 * a * clearance, clearance**2 - abs(transfer) ** 2])
-    return max(impulse * (0.5 / mass - of_rate) for impulse in roots.real)
+    return max(float(impulse) * (0.5 / mass - of_rate) for impulse in roots.real)
 
 
 def speeds_agree(branch: dynamics.Branch, modes: Modes, mass: float, unit: float = 1.0) -> None:
